@@ -168,6 +168,12 @@ def _of_pins(derivation: Derivation) -> list[Bar]:
     if "q_2" in given:
         more = given["q_2"][0] - given["q_1"][0]
         found.append(("pins that bend, which press at edges", max(more, 0.0), max(-more, 0.0)))
+    if "s_b" in given:
+        soft = given["s_b"][0] - own
+        up = max(soft - sum(p[1] for p in found), 0.0)
+        found.append(
+            ("bushes whose material is not stated", up, max(-soft - sum(p[2] for p in found), 0.0))
+        )
     return found
 
 

@@ -88,6 +88,7 @@ def parts_of(
         else:
             sits = _sits_in_joint(key, entry, file, pins, problems)
             rollers = {}
+        bushes = _bush_materials(key, entry, materials, problems)
         if not sits or entry.material not in materials or (kind == "body" and place not in bodies):
             continue
         try:
@@ -125,7 +126,7 @@ def parts_of(
         clearances = _clearances(key, entry, geometry, problems)
         welds = welds_of(key, entry, geometry, material, problems)
         made = _part(name, entry, file, geometry, material, rollers, fkm, clearances)
-        parts[name] = dataclasses.replace(made, welds=welds)
+        parts[name] = dataclasses.replace(made, welds=welds, bushes=bushes)
     check_stacks(parts, file.parts, problems)
     return parts
 
@@ -153,6 +154,23 @@ def _rollers(
             own = None if contact.material is None else materials[contact.material]
             rollers[name] = Roller(contact.radius, own)
     return rollers
+
+
+def _bush_materials(
+    key: str, entry: Any, materials: Mapping[str, Material], problems: Problems
+) -> dict[str, Material]:
+    """Materials of a pin's bushes that state one, by what presses there."""
+    found = {}
+    for index, lug in enumerate([] if isinstance(entry, BodyPartEntry) else entry.stack):
+        name = lug.bush.material if lug.bush else None
+        if name is None:
+            continue
+        if name in materials:
+            found[lug.name] = materials[name]
+        else:
+            where = f"{key}.stack[{index}].bush.material"
+            problems.add(where, no_such("material", name, materials))
+    return found
 
 
 def _clearances(

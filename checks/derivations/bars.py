@@ -9,6 +9,7 @@ from checks.models.checked import band_around
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import BarSymbols, Given, Item, Step
 from checks.result.verdict import Check
+from checks.result.ways import STEEL_BUSH
 from checks.stress.clearances import OverClearances
 from checks.stress.error_bars import Bars
 from checks.stress.pins_in_bores import CLEARANCE_WORDS, MIDDLE
@@ -22,6 +23,7 @@ _PATTERNS = "what patterns, nodes and short waves miss of solved contact, and se
 _OF_ARCS = "model: arcs on which pins may press"
 _OF_FITS = "model: the range of the pins' clearances"
 _OF_BENDING = "model: bent pins, which press unevenly"
+_OF_BUSHES = "model: bushes, whose material is not stated"
 _CALIBRATED = "docs/theory/error_bars.md"
 
 
@@ -83,6 +85,13 @@ def solid_bars(bars: Bars, value: str, more: float = 0.0) -> Told:
                   "the line load, solved"),
         ]  # fmt: skip
         above, below = _sum(above, "max(q_2 - q_1, 0)"), _sum(below, "max(q_1 - q_2, 0)")
+    if bars.clearances is not None and bars.clearances.soft is not None:
+        said = "the value with soft bushes, as their material is not stated"
+        items += [
+            Given("s_b", said, bars.clearances.soft, "MPa", "contact, solved"),
+            Step(STEEL_BUSH, "model band above with bushes of steel", above, "MPa"),
+        ]
+        above, below = f"max({STEEL_BUSH}, s_b - {value})", f"max({below}, {value} - s_b)"
     if more:
         items.append(Given("b_c", "how far another criterion lies above", more, "MPa", "the note"))
         above = _sum(above, "b_c")
@@ -96,6 +105,7 @@ def solid_bars(bars: Bars, value: str, more: float = 0.0) -> Told:
         _OF_ARCS if bars.by_arc or more else "",
         _OF_FITS if bars.clearances else "",
         _OF_BENDING if bars.along else "",
+        _OF_BUSHES if bars.clearances and bars.clearances.soft is not None else "",
     )
     words = "; ".join(text for text in (told.words, *of) if text)
     return BarSymbols(told.numerical, up, low, words), items

@@ -207,6 +207,7 @@ class Part:
     # bore -> least and largest clearance of its pin, mm on diameter, where the file states its fit
     clearances: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     welds: tuple[Weld, ...] = ()
+    bushes: Mapping[str, Material] = field(default_factory=dict)  # of a pin: lug -> its bush's
     fit_assumed: str = ""  # where `clearances` are from if the file states no fit, in words
 
 

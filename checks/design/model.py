@@ -140,8 +140,13 @@ class MeshEntry(Table):
 
 
 class Bush(Table):
-    """A plain bush between pin and lug."""
+    """A plain bush between pin and lug, pressed into the lug's bore."""
 
+    material: str | None = Field(
+        None,
+        description="name of its material, or of its back's; without it as stiff as steel: softer "
+        "ones even what a bent pin presses at edges and widen the arc",
+    )
     length: PositiveLength = Field(description="bearing length in one lug")
     allowable: PositiveStress = Field(description="allowable mean pressure")
     pv: PositivePressureSpeed | None = Field(

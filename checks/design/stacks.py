@@ -63,6 +63,14 @@ def _check_fit(pin: Part, part: Part, interface: str, problems: Problems) -> Non
         )
     index, lug = next((k, lug) for k, lug in enumerate(pin.stack) if lug.body == part.body)
     neck = shape.diameter if lug.diameter is None else lug.diameter
+    if hole is not None and lug.bush is not None and lug.bush.material and hole <= neck:
+        bush = f"parts.{pin.name}.stack[{index}].bush.material"
+        problems.add(
+            bush,
+            f"there is no room for a bush between the pin of {neck:g} mm and the hole of {hole:g} "
+            f"mm in parts.{part.name}.{part.geometry.bore_key(interface)}; the hole is the bush's "
+            "outer diameter",
+        )
     if hole is None or lug.bush is not None:
         return
     bore = f"parts.{part.name}.{part.geometry.bore_key(interface)}"

@@ -204,11 +204,9 @@ def _contact_words(level: Level, contact: Contact, assumed: str) -> list[str]:
             "of the middle, the model band holds all of them"
         )
         if name in along:
-            bushed = fit.stack is not None and fit.stack.bushed
-            words += f"; the pin bends, which presses {along[name]} at the peak's position, " + (
-                "through a bush as stiff as the pin: softer ones even it, and it is not in the band"
-                if bushed
-                else "which the band holds as well"
+            words += (
+                f"; the pin bends, which presses {along[name]} at the peak's position, which the "
+                "band holds as well"
             )
         words += "; both cheeks carry the same share" if _cheeks(contact, name) else ""
         said.append(words)

@@ -98,7 +98,7 @@ def clearances_that_pass(
     if not bores:
         return {}
     stacks = [stack_in(loaded, bore.name) for bore in bores]
-    bends = any(stack is not None and not stack.bushed for stack in stacks)
+    bends = any(stack is not None for stack in stacks)
     part, duty = loaded.part, loaded.duty.cycles
     fits = widest_fits(loaded, bores)
     some = _some_of(loaded.loads, level, judged)
@@ -118,7 +118,7 @@ def clearances_that_pass(
     found: dict[str, float] = {}
     for what, check in open_ones:
         along = bars[what].along if what in bars else None
-        if bends and along is None:
+        if (bends and along is None) or any(fit.unstated for fit in fits.values()):
             continue  # by contact it would be more than what is known
         uneven = along.above if along else 0.0
         share = None

@@ -33,6 +33,7 @@ SOLID = "solid"
 NOTHING = "nothing here settles it"  # begins the text of a way that is none
 SAVED = "least mass by single changes"
 LEAST = "least single changes"  # of a dimension or a material
+STEEL_BUSH = "b_s"  # symbol of the model band above with bushes of steel
 _FINEST = 0.003  # of a value: a smaller numerical bar is not asked of a mesh
 _MOST_UNKNOWNS = 300_000  # that a design allows where it states nothing
 _TOO_MANY = 3_000_000
@@ -96,6 +97,7 @@ def _of_check(
         ways += [
             *_by_clearance(result, check, settles, part),
             *_by_arc(result, check, settles, part),
+            *_by_bush(check, settles),
             *_by_mesh(result, check, settles, part),
             *_by_model(result, check, settles, part),
         ]
@@ -219,6 +221,20 @@ def _by_clearance(
             f"state the fit of its pins instead of bearing_arc: it passes with {', '.join(stated)}"
         )
         yield Way(settles, text)
+
+
+def _by_bush(check: Check, settles: str) -> Iterator[Way]:
+    """Where only bushes far softer than steel would leave it open."""
+    told = check.derivation
+    if told is None or all(getattr(item, "symbol", "") != STEEL_BUSH for item in told.items):
+        return
+    steel = check.model - told.number("b_up") + told.number(STEEL_BUSH)
+    if replace(check, model=steel).status is Status.PASS:
+        yield Way(
+            settles,
+            "state what the bushes of its pins are made of (bush.material in their stacks): as "
+            "stiff as steel it passes",
+        )
 
 
 def _by_mesh(result: DesignResult, check: Check, settles: str, part: PartResult) -> Iterator[Way]:

@@ -42,12 +42,12 @@ class BeyondEven:
 def beyond_even(judged: Judged, level: Level) -> BeyondEven | None:
     """The quantity under uneven pressure, at the positions that decide it under an even one.
 
-    None where no bore has a pin whose stack is known, all have bushes or carry nothing.
+    None where no bore has a pin whose stack is known, or all carry nothing.
     """
     contact = level.contact
     if contact is None:
         return None
-    bores = [bore for bore, stack in known_stacks(contact) if not stack.bushed]
+    bores = [bore for bore, _ in known_stacks(contact)]
     if not bores:
         return None
     known = _known.setdefault(level, WeakKeyDictionary())
@@ -126,7 +126,7 @@ def _added(level: Level, position: int) -> FloatArray:
     vector = np.zeros(3 * len(level.solutions.mesh.nodes))
     short = np.zeros((len(level.history.nodes), 6))
     for bore, stack in known_stacks(contact):
-        shares = None if stack.bushed else _shares(contact, bore, stack, position)
+        shares = _shares(contact, bore, stack, position)
         if shares is None:
             continue
         along = BoreAlong(bore)

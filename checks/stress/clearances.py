@@ -13,7 +13,7 @@ import numpy as np
 
 from checks.part.part_loads import PartLoads, first_largest
 from checks.stress.judged import Judged, StaticPeak
-from checks.stress.pins_in_bores import CLEARANCES, LARGEST, LEAST, MIDDLE
+from checks.stress.pins_in_bores import CLEARANCES, LARGEST, LEAST, MIDDLE, SOFT
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import Stressed
 from fem.recovery import von_mises
@@ -33,11 +33,13 @@ class OverClearances:
 
     values       share of the range -> MPa, in order
     above_these  MPa, how far it may lie above the largest of them, between them; below_these alike
+    soft         MPa, at the middle with soft bushes; None where their materials are stated
     """
 
     values: Mapping[float, float]
     above_these: float = 0.0
     below_these: float = 0.0
+    soft: float | None = None
 
     @property
     def above(self) -> float:
@@ -66,8 +68,9 @@ _known: WeakKeyDictionary[Level, WeakKeyDictionary[Judged, OverClearances]] = We
 def _sought(judged: Judged, level: Level) -> OverClearances:
     assert level.contact is not None
     value = judged.value(level)
+    soft = values_at(judged, level, [SOFT])[SOFT] if level.contact.unstated else None
     if level.contact.one_clearance:
-        return OverClearances(dict.fromkeys(sorted(CLEARANCES), value))
+        return OverClearances(dict.fromkeys(sorted(CLEARANCES), value), soft=soft)
     values = values_at(judged, level, FIRST)
     while True:
         high, above = turn_beyond(values)
@@ -76,7 +79,7 @@ def _sought(judged: Judged, level: Level) -> OverClearances:
             low if below > _SETTLED * value else []
         )
         if not asked or len(values) >= _MOST:
-            return OverClearances(values, above, below)
+            return OverClearances(values, above, below, soft)
         values = dict(sorted((values | values_at(judged, level, asked)).items()))
 
 

@@ -140,6 +140,9 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
         notes.append(along.words)
         above += along.above
         below += along.below
+    if clearances is not None and clearances.soft is not None:  # even along, and on a wider arc
+        notes.append(f"with bushes that are soft {clearances.soft:.4g} MPa")
+        above, below = max(above, clearances.soft - value), max(below, value - clearances.soft)
     words = "; ".join(notes)
     return Bars(bar, above, below, words, values, sizes, by_arc, in_bores, clearances, along)
 

@@ -10,16 +10,21 @@ from functools import cached_property
 
 import numpy as np
 
+from checks.design.data import Part
 from checks.part.loaded_part import LoadedPart
-from checks.stress.pressed_along import Stack, stack_in
+from checks.stress.pressed_along import Stack, lining_in, stack_in
 from fem.contact.bore import BoreHarmonics, bore_harmonics
 from fem.contact.cycle import ContactCycle, FittedPin, PartContact
+from fem.contact.cylinder_waves import Lining
 from fem.contact.superposed import ContactSolutions, superposed
 from fem.unit_solutions import UnitSolutions
 from geometry.mesh import FloatArray, IntArray, Interface
+from geometry.parts.pin import as_pin
 
 MIDDLE, LEAST, LARGEST = 0.5, 0.0, 1.0  # share of the range of clearances
 CLEARANCES = (MIDDLE, LEAST, LARGEST)
+SOFT = -1.0  # not a share: the middle, with bushes whose material is not stated as soft as any
+_SOFTEST = 100.0  # MPa: clearance and arc no longer matter
 _WIDEST = 2e-3  # of the bore's diameter: loose running fits
 CLEARANCE_WORDS = {MIDDLE: "middle", LEAST: "least", LARGEST: "largest"}
 
@@ -31,7 +36,9 @@ class Fit:
     least, largest  mm, clearance on diameter
     youngs_modulus  MPa, of the pin
     poisson_ratio   of the pin
-    material        of the pin, in words
+    material        of the pin and of its bush, in words
+    lining          the bush in the bore
+    unstated        True: the bush's material is not stated
     stack           of the pin; None where the design has none that tells how it bends
     """
 
@@ -40,15 +47,21 @@ class Fit:
     youngs_modulus: float
     poisson_ratio: float
     material: str
+    lining: Lining | None = None
+    unstated: bool = False
     stack: Stack | None = None
 
     def clearance(self, share: float) -> float:
         """Clearance on diameter, mm, at a share of the range."""
+        share = MIDDLE if share == SOFT else share
         return self.least + share * (self.largest - self.least)
 
     def pin(self, share: float) -> FittedPin:
         """The pin at a share of the range of clearances."""
-        return FittedPin(self.clearance(share), self.youngs_modulus, self.poisson_ratio)
+        elastic, lining = (self.youngs_modulus, self.poisson_ratio), self.lining
+        if lining is not None and self.unstated and share == SOFT:
+            lining = replace(lining, youngs_modulus=_SOFTEST)
+        return FittedPin(self.clearance(share), *elastic, lining=lining)
 
 
 def fits_of(loaded: LoadedPart) -> dict[str, Fit]:
@@ -80,7 +93,26 @@ def _fit(loaded: LoadedPart, name: str, least: float, largest: float) -> Fit:
         if pins
         else f"pin of the part's own {part.material.name}, as no part is that pin"
     )
-    return Fit(least, largest, material.youngs_modulus, material.poisson_ratio, words)
+    lining = lining_in(loaded.design, pins[0], part.body) if pins and part.body else None
+    unstated = lining is not None and part.body not in pins[0].bushes
+    if lining is not None:
+        words += _through(pins[0], part.body or "", lining)
+    elastic = material.youngs_modulus, material.poisson_ratio
+    return Fit(least, largest, *elastic, words, lining, unstated)
+
+
+def _through(pin: Part, lug: str, lining: Lining) -> str:
+    """Its bush, in words."""
+    index, entry = next((k, e) for k, e in enumerate(pin.stack) if e.name == lug)
+    shape = as_pin(pin.geometry)
+    assert shape is not None
+    thick = (lining.ratio - 1) * (entry.diameter or shape.diameter) / 2
+    if own := pin.bushes.get(lug):
+        return f" through a bush of {own.name}, {thick:.3g} mm thick,"
+    return (
+        f" through a bush {thick:.3g} mm thick, of a material ASSUMED between steel and so soft "
+        f"that it evens all (parts.{pin.name}.stack[{index}].bush.material is not stated),"
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,9 +190,14 @@ class Contact:
         """True if the fits leave no range of clearances."""
         return all(fit.least == fit.largest for fit in self.pins.fits.values())
 
+    @property
+    def unstated(self) -> bool:
+        """True if the material of a bush is not stated."""
+        return any(fit.unstated for fit in self.pins.fits.values())
+
     def is_middle(self, share: float) -> bool:
         """True if a share of the range is the clearance that is solved at all positions."""
-        return share == MIDDLE or self.one_clearance
+        return share == MIDDLE or (self.one_clearance and share != SOFT)
 
     def over(self, positions: IntArray, share: float) -> ContactCycle:
         """The contact at some positions (m,) and a share of the range; raises ContactError."""

@@ -11,10 +11,11 @@ from functools import cached_property
 
 import numpy as np
 
-from checks.design.data import Part
+from checks.design.data import Design, Part
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from fem.contact.beds import Lug, RoundBar
+from fem.contact.cylinder_waves import Lining
 from fem.contact.line_load import line_load
 from fem.contact.uneven import shares_along
 from geometry.mesh import FloatArray
@@ -23,6 +24,7 @@ from geometry.parts.pin import as_pin
 
 _FREE = 1e4  # times 12/(E w^3), as a bore w mm wide gives way: lugs that tilt as they like
 _ALIKE = 1e-6  # of the mean line load
+UNSTATED = 210e3, 0.3  # MPa and 1, of bushes whose material is not stated: steel's
 _NOTHING = 1e-6  # of the largest force in a stack: a lug that carries none
 
 
@@ -34,14 +36,12 @@ class Stack:
     pin        the part that is the pin
     bore       name of the body whose lugs are the part's
     clearance  mm on diameter, of all lugs
-    bushed     True: a bush of unknown softness stands between pin and bore, which evens the load
     """
 
     loaded: LoadedPart
     pin: Part
     bore: str
     clearance: float
-    bushed: bool
     _known: dict[tuple[int, float], FloatArray | None] = field(default_factory=dict)
 
     @property
@@ -112,6 +112,7 @@ class Stack:
                     material.poisson_ratio,
                     way if seat.paired else 0.0,
                     self.clearance,
+                    lining_in(self.loaded.design, self.pin, seat.name),
                 )
             )
         return found, own
@@ -133,6 +134,25 @@ class Stack:
         return self._known[position, tilt]
 
 
+def lining_in(design: Design, pin: Part, lug: str) -> Lining | None:
+    """The bush of a lug of a pin, as wide as the bore of the lug's part.
+
+    As stiff as steel where the design does not state its material: the stiffest that bushes are
+    made of. None without a bush, and where no part tells the bore: as stiff as the lug then.
+    """
+    shape, part = as_pin(pin.geometry), design.part_of(lug)
+    if part is None or shape is None or not any(e.bush for e in pin.stack if e.name == lug):
+        return None
+    neck = next(shape.neck(seat) for seat in shape.seats if seat.name == lug)
+    for face in part.geometry.placed_interfaces:
+        if face.kind == "bore" and part.interfaces.get(face.name) == pin.joint:
+            ratio = 2 * face.radius / neck
+            own = pin.bushes.get(lug)
+            elastic = (own.youngs_modulus, own.poisson_ratio) if own else UNSTATED
+            return Lining(ratio, *elastic) if ratio > 1 else None
+    return None
+
+
 def stack_in(loaded: LoadedPart, interface: str, clearance: float = 0.0) -> Stack | None:
     """The stack of the pin in a bore; None where the design has none, or lugs on one side.
 
@@ -149,8 +169,7 @@ def stack_in(loaded: LoadedPart, interface: str, clearance: float = 0.0) -> Stac
         names = [seat.name for seat in shape.seats]
         even = all(seat.paired or seat.at == 0.0 for seat in shape.seats)
         if even and len(names) > 1 and part.body in names:
-            bushed = any(lug.bush for lug in pin.stack if lug.body == part.body)
-            found = Stack(loaded, pin, part.body, clearance, bushed)
+            found = Stack(loaded, pin, part.body, clearance)
             return found if found.fits_positions else None
     return None
 

@@ -10,8 +10,8 @@ from functools import lru_cache
 import numpy as np
 
 from fem.contact.condensed import CondensedContact
-from fem.contact.cylinder_waves import bore_waves, local_bar_waves
-from fem.contact.hats import Hats, disc_flexibility, sheet_flexibility
+from fem.contact.cylinder_waves import Lining, bore_waves, lined_bore_waves, local_bar_waves
+from fem.contact.hats import Hats, disc_flexibility, lining_flexibility, sheet_flexibility
 from geometry.mesh import FloatArray
 
 _ALONG = 128  # waves along a lug: half of the shortest is half of the finest patch
@@ -50,6 +50,7 @@ class Lug:
     force       N along x and y, with which the pin presses on it
     tilt        rad/(N mm), by which it gives way to a couple that tilts it; 0: it is held
     clearance   mm, on diameter
+    lining      its bush, all along it
     """
 
     low: float
@@ -59,6 +60,7 @@ class Lug:
     poisson_ratio: float
     tilt: float = 0.0
     clearance: float = 0.0
+    lining: Lining | None = None
 
     @property
     def size(self) -> float:
@@ -133,7 +135,8 @@ def wave_bed(bar: RoundBar, lug: Lug, hats: Along) -> FloatArray:
 def bore_bed(bar: RoundBar, lug: Lug, hats: Along) -> FloatArray:
     """Flexibility (n, n), mm/N, of the bore: waves whose faces do not move along the pin."""
     numbers: FloatArray = np.pi / lug.width * np.arange(1.0, _ALONG + 1)
-    moves = _waves("bore", lug.poisson_ratio, _in_steps(numbers * bar.radius_in(lug)))
+    elastic = lug.youngs_modulus, lug.poisson_ratio
+    moves = _bore_waves(*elastic, lug.lining, _in_steps(numbers * bar.radius_in(lug)))
     size = around_waves(bar, lug) @ moves * 2 / (lug.width * np.pi * lug.youngs_modulus)
     cosines = hats.waves(numbers).real
     return np.asarray((cosines * size) @ cosines.T)
@@ -142,7 +145,7 @@ def bore_bed(bar: RoundBar, lug: Lug, hats: Along) -> FloatArray:
 def pin_bed(bar: RoundBar, lug: Lug, hats: Along) -> FloatArray:
     """Flexibility (n, n), mm/N, of the pin's surface, which goes on beyond the lug."""
     numbers: FloatArray = np.pi / (2 * lug.width) * np.arange(0.5, 2 * _ALONG)
-    moves = _waves("bar", bar.poisson_ratio, _in_steps(numbers * bar.radius_in(lug)))
+    moves = _bar_waves(bar.poisson_ratio, _in_steps(numbers * bar.radius_in(lug)))
     size = around_waves(bar, lug) @ moves / (2 * lug.width * np.pi * bar.youngs_modulus)
     both = hats.waves(numbers)
     return np.asarray(((both * size) @ both.conj().T).real)
@@ -154,9 +157,17 @@ def _in_steps(x: FloatArray) -> tuple[float, float, int]:
 
 
 @lru_cache(maxsize=64)
-def _waves(of: str, poisson_ratio: float, x: tuple[float, float, int]) -> FloatArray:
-    moves = bore_waves if of == "bore" else local_bar_waves
-    return moves(_AROUND, np.linspace(*x), poisson_ratio)
+def _bar_waves(poisson_ratio: float, x: tuple[float, float, int]) -> FloatArray:
+    return local_bar_waves(_AROUND, np.linspace(*x), poisson_ratio)
+
+
+@lru_cache(maxsize=64)
+def _bore_waves(
+    young: float, poisson_ratio: float, lining: Lining | None, x: tuple[float, float, int]
+) -> FloatArray:
+    if lining is None:
+        return bore_waves(_AROUND, np.linspace(*x), poisson_ratio)
+    return lined_bore_waves(_AROUND, np.linspace(*x), young, poisson_ratio, lining)
 
 
 def around_waves(bar: RoundBar, lug: Lug) -> FloatArray:
@@ -169,15 +180,20 @@ def around_waves(bar: RoundBar, lug: Lug) -> FloatArray:
         lug.clearance * lug.width / lug.size if lug.clearance > 0 else 0.0,
         (bar.youngs_modulus, bar.poisson_ratio),
         (lug.youngs_modulus, lug.poisson_ratio),
+        lug.lining,
     )
 
 
 @lru_cache(maxsize=64)
-def _around(opening: float, pin: tuple[float, float], bore: tuple[float, float]) -> FloatArray:
+def _around(
+    opening: float, pin: tuple[float, float], bore: tuple[float, float], lining: Lining | None
+) -> FloatArray:
     """By clearance over mean line load, mm2/N: a plane pin touches, then its arc is held."""
     hats = Hats.even(_HATS)
     flexibility = disc_flexibility(hats, 1.0, *pin, strain=True)
     flexibility += sheet_flexibility(hats, 1.0, *bore, strain=True)
+    if lining is not None:
+        flexibility += lining_flexibility(hats, 1.0, *bore, lining)
     problem = CondensedContact((flexibility + flexibility.T) / 2, hats.directions[:, :1])
     state = problem.solve(np.full(_HATS, opening / 2), np.ones(1))
     touching = np.flatnonzero(state.touching)

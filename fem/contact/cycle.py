@@ -22,7 +22,8 @@ import scipy
 
 from fem.contact.bore import BoreHarmonics
 from fem.contact.condensed import CondensedContact, ContactError, ContactState, largest_misses
-from fem.contact.hats import Hats, disc_flexibility
+from fem.contact.cylinder_waves import Lining
+from fem.contact.hats import Hats, disc_flexibility, lining_flexibility
 from geometry.mesh import BoolArray, FloatArray, IntArray
 from geometry.roots import root
 
@@ -44,12 +45,14 @@ class FittedPin:
     youngs_modulus  MPa
     poisson_ratio   1
     strain          True: its sections stay plane (a long pin); False: plane stress
+    lining          the bush in the bore
     """
 
     clearance: float
     youngs_modulus: float
     poisson_ratio: float
     strain: bool = True
+    lining: Lining | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,6 +159,19 @@ class _Bore:
         away = np.cos(self.hats.angles - self.directions[position])
         return np.asarray(away >= np.cos(half) - 1e-12)
 
+    @cached_property
+    def flexibility(self) -> FloatArray:
+        """Mean opening (n_hats, n_hats), mm/N, of bore, bush and pin per force on each hat."""
+        pin, length = self.pin, self.harmonics.loads.interface.length
+        found = self.harmonics.hat_flexibility(self.hats) + disc_flexibility(
+            self.hats, length, pin.youngs_modulus, pin.poisson_ratio, strain=pin.strain
+        )
+        if pin.lining is not None:
+            material = self.harmonics.solutions.material
+            elastic = material.youngs_modulus, material.poisson_ratio
+            found += lining_flexibility(self.hats, length, *elastic, pin.lining)
+        return found
+
     @property
     def areas(self) -> FloatArray:
         """Area of each hat, mm2: its force over its pressure."""
@@ -198,16 +214,7 @@ class PartContact:
         """Mean opening (all hats, all hats), mm/N, of each hat per force on each."""
         blocks = [
             [
-                a.harmonics.hat_flexibility(a.hats)
-                + disc_flexibility(
-                    a.hats,
-                    a.harmonics.loads.interface.length,
-                    a.pin.youngs_modulus,
-                    a.pin.poisson_ratio,
-                    strain=a.pin.strain,
-                )
-                if a is b
-                else a.waves @ a.harmonics.moved_by(b.harmonics) @ b.waves.T
+                a.flexibility if a is b else a.waves @ a.harmonics.moved_by(b.harmonics) @ b.waves.T
                 for b in self._bores
             ]
             for a in self._bores

@@ -13,13 +13,15 @@ up. A sheet's has no size (a logarithm of the distance), so here it is 0 of both
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache, cached_property, lru_cache
 
 import numpy as np
 
+from fem.contact.cylinder_waves import Lining, bore_waves, lined_bore_waves
 from geometry.mesh import FloatArray, IntArray
 
 _EVEN = 1e-12  # rad, between the widths of even hats: rounding
+_LONG = np.array([0.01])  # k R of waves along that are as long as the plane's, to 1e-4
 _WAVES = 6  # of the finest hat's width: hats' series fall with the fourth power of the number
 
 
@@ -113,8 +115,8 @@ class Hats:
         mean  mm/MPa: even displacement per even pressure, over the radius times the length
         wave  the same of cos(number angle), for numbers (m,) from 2
         """
-        numbers, waves = self._series
-        size = np.tile(wave(numbers) / np.pi, 2)
+        waves = self._series
+        size = np.tile(wave(self.numbers) / np.pi, 2)
         if np.ptp(self.widths) < _EVEN:  # the first hat gives way as each other one, turned
             first = waves @ (size * waves[0])
             first = (first + np.roll(first[::-1], 1)) / 2
@@ -123,13 +125,16 @@ class Hats:
         parts = waves * np.sqrt(size)
         return np.asarray(parts @ parts.T + mean / (2 * np.pi))
 
+    @property
+    def numbers(self) -> FloatArray:
+        """Numbers (m,) of the waves from 2 that the hats have."""
+        return np.arange(2.0, int(np.ceil(_WAVES * 2 * np.pi / self.widths.min())) + 1)
+
     @cached_property
-    def _series(self) -> tuple[FloatArray, FloatArray]:
-        """Numbers (m,) of waves from 2, and their cosines and sines (n, 2 m) over the hats."""
-        last = int(np.ceil(_WAVES * 2 * np.pi / self.widths.min()))
-        numbers = np.arange(2.0, last + 1)
-        waves = self.waves(numbers)
-        return numbers, np.concatenate([waves.real, waves.imag], axis=1)
+    def _series(self) -> FloatArray:
+        """Cosines and sines (n, 2 m) of the waves over the hats."""
+        waves = self.waves(self.numbers)
+        return np.concatenate([waves.real, waves.imag], axis=1)
 
 
 def disc_flexibility(
@@ -159,6 +164,24 @@ def sheet_flexibility(
     return hats.flexibility(
         size * (1 + poisson), lambda n: size * (2 * n + 1 - poisson) / (n * n - 1)
     )
+
+
+def lining_flexibility(
+    hats: Hats, length: float, youngs_modulus: float, poisson_ratio: float, lining: Lining
+) -> FloatArray:
+    """Mean outward displacement (n, n) mm/N that a bush adds to a hole's, by force on each hat.
+
+    Over a hole of the bush's inner radius without it, in plane strain; as `sheet_flexibility`.
+    """
+    last = int(hats.numbers[-1])
+    added = _added(last, youngs_modulus, poisson_ratio, lining) / (youngs_modulus * length)
+    return hats.flexibility(added[0], lambda n: added[n.astype(int)])
+
+
+@lru_cache(maxsize=64)
+def _added(last: int, young: float, poisson: float, lining: Lining) -> FloatArray:
+    lined = lined_bore_waves(last, _LONG, young, poisson, lining)
+    return np.asarray(lined - bore_waves(last, _LONG, poisson))[:, 0]
 
 
 def _plane(young: float, poisson: float, strain: bool) -> tuple[float, float]:

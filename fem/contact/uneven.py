@@ -5,7 +5,7 @@ the even pressure around. It has the same force; P_1 is a couple, which bends a 
 Long waves around load the elements, short ones have the stress of a sheet (fem/contact/bore.py).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -117,7 +117,7 @@ class BoreAlong:
         hats = Along.graded(lug, 12)
         t = (hats.places - (lug.low + lug.high) / 2) / (lug.width / 2)
         own = t * hats.lengths / (2 * lug.width)  # half of 1 N on each lug
-        local = float(own @ bore_bed(bar, lug, hats) @ own)
+        local = float(own @ bore_bed(bar, replace(lug, lining=None), hats) @ own)  # as the mesh
         couple = lug.width / 12
         return max(work - local, 0.0) / couple**2
 

@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 
 from ballesta.machine.runs import solved_runs
 from checks.derivations.bars import solid_bars
+from checks.design.errors import DesignError
 from checks.ladder.levels import first_level
 from checks.ladder.part_facts import assumed_of
 from checks.part.loaded_part import LoadedPart
@@ -114,13 +115,66 @@ def test_lugs_on_one_side_and_pins_without_a_part_are_left_out(bent, tmp_path):
     assert stack_in(rod(tmp_path, stack=one_sided), "first") is None
 
 
-def test_behind_a_bush_it_is_told_and_not_in_the_band(tmp_path):
-    loaded = rod(tmp_path, bush=', bush = { length = "8 mm", allowable = "100 MPa" }')
+def bushed(folder, material="", **changed):
+    """The rod with a bush of 1 mm on a pin of 10 mm; its level and static bars."""
+    bush = f', bush = {{ length = "8 mm", allowable = "100 MPa"{material} }}'
+    text = STACK.replace('diameter = "12 mm"', 'diameter = "10 mm"') + changed.get("more", "")
+    loaded = rod(folder, bush=bush, stack=text)
     level = first_level(loaded, Models())
-    assert beyond_even(StaticPeak(loaded.loads), level) is None
+    return loaded, level, bars_of(StaticPeak(loaded.loads), loaded.part, [level, level], 0.2)
+
+
+PLASTIC = """
+[materials.plastic]
+youngs_modulus = "3 GPa"
+poisson_ratio = 0.4
+density = "1400 kg/m3"
+yield_stress = "60 MPa"
+ultimate_stress = "60 MPa"
+ductile = false
+"""
+
+
+def test_the_softer_a_bush_the_less_a_bent_pin_presses_at_edges_and_the_wider_its_arc(tmp_path):
+    """Where the material is left out, the band reaches above those of steel and of plastic."""
+    found = {}
+    for name, said in (
+        ("unstated", ""),
+        ("steel", ', material = "C45"'),
+        ("bronze", ', material = "CuSn7Zn2Pb3"'),
+        ("plastic", ', material = "plastic"'),
+    ):
+        (folder := tmp_path / name).mkdir()
+        loaded, level, bars = bushed(folder, said, more=PLASTIC)
+        cycle = level.contact.over(np.array([level.peak.position]), 0.5)
+        value = StaticPeak(loaded.loads).value(level)
+        found[name] = value, bars, float(cycle.bores["first"].arcs[0]), loaded, level
+    steel, bronze, plastic = (found[name] for name in ("steel", "bronze", "plastic"))
+    assert steel[1].along.above > bronze[1].along.above > 10 * plastic[1].along.above > 0
+    assert steel[2] < bronze[2] < plastic[2]
+    value, bars, arc, loaded, level = found["unstated"]
+    assert_allclose([value, arc], [steel[0], steel[2]], rtol=1e-6)
+    assert_allclose(bars.along.above, steel[1].along.above, rtol=1e-6)
+    for own, other, *_ in (steel, bronze, plastic):
+        assert value + bars.above >= (own + other.above) * (1 - 1e-9)
+        assert other.clearances.soft is None
+    assert bars.above >= bars.clearances.soft - value
     said = " ".join(assumed_of(loaded, level))
-    assert "through a bush as stiff as the pin" in said
-    assert "it is not in the band" in said
+    assert "through a bush 1 mm thick, of a material ASSUMED between steel and so soft" in said
+    assert "parts.pin.stack[1].bush.material" in said
+    assert "which the band holds as well" in said
+    said = " ".join(assumed_of(*bronze[3:]))
+    assert "through a bush of CuSn7Zn2Pb3, 1 mm thick" in said
+    told, items = solid_bars(bars, "v")
+    assert "s_b" in {getattr(item, "symbol", "") for item in items}
+    assert "bushes, whose material is not stated" in told.words
+
+
+def test_a_bush_of_no_known_material_or_without_room_is_refused_with_its_key(tmp_path):
+    with pytest.raises(DesignError, match=r"stack\[1\].bush.material: no material .*'CuSn7'"):
+        bushed(tmp_path, ', material = "CuSn7"')
+    with pytest.raises(DesignError, match=r"no room for a bush .* pin of 12 mm .* hole of 12 mm"):
+        rod(tmp_path, bush=', bush = {length="8 mm", allowable="9 MPa", material="CuSn11P"}')
 
 
 def waves_along_x(bore, force):
