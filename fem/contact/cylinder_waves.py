@@ -22,6 +22,7 @@ import numpy as np
 from geometry.mesh import FloatArray
 
 _GAUSS = np.polynomial.legendre.leggauss(8)
+_SHORT = 2000.0  # k R of waves along so short that two terms of their series do
 _FADED = 300.0  # exponent of what crosses no bush
 
 
@@ -114,14 +115,20 @@ def _decaying(last: int, x: FloatArray) -> FloatArray:
 
 def _growing(last: int, x: FloatArray) -> FloatArray:
     """Slope x I_n'/I_n (last + 2, m), in a bar."""
-    ratio = np.zeros(len(x))  # I_(n+1)/I_n
-    found = np.empty((last + 2, len(x)))
+    numbers = np.arange(last + 2)[:, None]
+    size = np.hypot(numbers, x)
+    found: FloatArray = size - x**2 / (
+        2 * size**2
+    )  # Debye's first two terms: the next is below 1/(8 x)
+    some = x < _SHORT
+    if not some.any():
+        return found
+    ratio, x = np.zeros(np.count_nonzero(some)), x[some]  # I_(n+1)/I_n
     for n in range(last + 60 + int(2 * x.max()), -1, -1):
         ratio = 1 / (2 * (n + 1) / x + ratio)
         if n < last + 2:
-            found[n] = ratio
-    numbers = np.arange(last + 2)[:, None]
-    return np.asarray(numbers + x * found)
+            found[n, some] = n + x * ratio
+    return found
 
 
 def _change(slope: Callable[[FloatArray], FloatArray], x: FloatArray, ratio: float) -> FloatArray:

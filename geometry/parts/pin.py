@@ -1,6 +1,6 @@
 """A pin in its stack of lugs, stepped where a lug has a smaller bore."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from math import isfinite
@@ -21,6 +21,8 @@ from geometry.parameters import (
 )
 from geometry.parts._plates import Outline
 from geometry.shape import Shape
+
+_LONGEST = 8.0  # elements over a lug's width
 
 
 @dataclass(frozen=True)
@@ -201,6 +203,11 @@ class Pin(Shape):
         return any(self.neck(seat) < self.diameter for seat in self.seats)
 
     @property
+    def narrow(self) -> list[Seat]:
+        """Lugs so narrow that they need smaller elements than the pin."""
+        return [seat for seat in self.seats if _LONGEST * seat.width < self.diameter / 8]
+
+    @property
     def heights(self) -> Mapping[str, float]:
         """Height z, mm, of single lugs that are not in the middle plane."""
         return {seat.name: seat.at for seat in self.seats if seat.single and seat.at}
@@ -261,9 +268,17 @@ class Pin(Shape):
             size=radius / 2.5,
             regions=[
                 Region([(2, tag) for tags in faces.values() for tag in tags], radius / 4, radius),
+                *self._narrow(gmsh, faces),
                 *([Region(steps, fine, radius / 2)] if steps else []),
             ],
         )
+
+    def _narrow(self, gmsh: Any, faces: Mapping[str, list[int]]) -> Iterator[Region]:
+        """Edges of lugs so narrow that elements of the pin's size would fold there."""
+        for seat in self.narrow:
+            edges = gmsh.model.getBoundary([(2, tag) for tag in faces[seat.name]], False, False)
+            lines = [(1, abs(tag)) for _, tag in edges]
+            yield Region(lines, _LONGEST * seat.width, self.diameter / 2)
 
     def _between(self, lower: float, upper: float) -> Callable[[Any, str], bool]:
         """Test of a face's bounding box and type: a cylinder that reaches from lower to upper z."""
