@@ -66,10 +66,10 @@ def headline(check: Check, title: str) -> str:
     value = " ".join(filter(None, value_and_whole_bar(check)))
     unit = f" {check.unit}".rstrip()
     return (
-        f"{brief(check.part, 40)} {brief(title, 60)}: {brief(check.quantity, 80)} {value}{unit} "
+        f"{brief(check.part, 40)} {brief(title, 60)}: {brief(check.quantity, 120)} {value}{unit} "
         f"of {number_text(check.limit)}{unit}, safety "
         f"{safety_text(check.safety, check.required)} ({need_text(check.required)} required): "
-        f"{check.status}; {brief(check.method, 40)}; {brief(where(check), 120)}"
+        f"{check.status}; {brief(check.method, 40)}; {brief(where(check), 300)}"
     )
 
 

@@ -9,12 +9,12 @@ import loads
 from ballesta.machine.motion import carrier_of, part_frame
 from checks.columns.linkage_frame import LINKAGE, LinkageMode
 from checks.design.data import Design
+from checks.ladder.part_fields import FREE_SIZE, moved_with
 from checks.part.part_loads import interface_distance
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import Check, DesignResult, PartResult, deciding_of
 from geometry.mesh import FloatArray
 
-_NOTE = "buckling mode: {}; its size is free"
 _UNKNOWN = "its buckling mode is not drawn: the formula has none; --fidelity solid finds it"
 _ITS_OWN = 1.01  # of the distance of its pins: another column is not the part alone
 _PLACES = 33  # of a half wave
@@ -55,7 +55,7 @@ def _of_part(design: Design, part: PartResult) -> PartResult:
     live, governing = part.live, deciding_of(part.checks) if part.checks else None
     if not isinstance(live, LiveFields) or not governing or governing.kind != "buckling":
         return part
-    if governing.method.startswith("solid"):
+    if live.mode is not None or governing.method.startswith("solid"):
         return part
     own = interface_distance(design, design.parts[part.name])
     if not 1 / _ITS_OWN < governing.span / own < _ITS_OWN:
@@ -63,7 +63,7 @@ def _of_part(design: Design, part: PartResult) -> PartResult:
     first, last = (pin.centre for pin in design.parts[part.name].geometry.placed_interfaces[:2])
     moved = moved_with(np.asarray(live.nodes), *half_wave(first, last, governing.plane))
     moved /= np.linalg.norm(moved, axis=1).max()
-    notes = (*live.notes, _NOTE.format(f"Euler's half wave {governing.plane}, of an even bar"))
+    notes = (*live.notes, FREE_SIZE.format(f"Euler's half wave {governing.plane}, of an even bar"))
     return replace(part, live=replace(live, mode=moved, notes=notes))
 
 
@@ -98,24 +98,10 @@ def _of_linkage(
         motions = np.hstack([mode.shape[body][:, :3] @ turn.T, mode.shape[body][:, 3:] @ turn.T])
         moves[part.name] = moved_with(np.asarray(part.live.nodes), places, motions)
         most = max(most, float(np.linalg.norm(moves[part.name], axis=1).max()))
-    told = _NOTE.format(f"of the linkage, {mode.plane}, at {mode.position}")
+    told = FREE_SIZE.format(f"of the linkage, {mode.plane}, at {mode.position}")
     for part in result.parts:
         live = part.live
         if part.name in moves and isinstance(live, LiveFields) and most:
             shape = moves[part.name] / most
             part = replace(part, live=replace(live, mode=shape, notes=(*live.notes, told)))
         yield part
-
-
-def moved_with(nodes: FloatArray, places: FloatArray, motions: FloatArray) -> FloatArray:
-    """Displacements (n, 3) of nodes (n, 3) whose sections move with the axis of a bar.
-
-    places   (m, 3) mm of the axis, in a straight row; a single one is of a rigid body
-    motions  (m, 6) mm and rad
-    """
-    way = places[-1] - places[0]
-    along = places @ way
-    order = np.argsort(along)
-    axis = np.hstack([places, motions])[order]
-    at = np.stack([np.interp(nodes @ way, along[order], column) for column in axis.T], axis=1)
-    return np.asarray(at[:, 3:6] + np.cross(at[:, 6:9], nodes - at[:, :3]))

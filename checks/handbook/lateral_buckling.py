@@ -60,6 +60,11 @@ class Acting:
     moment: FloatArray
     shear: FloatArray
 
+    def at(self, position: int) -> "Acting":
+        """Those of one position."""
+        here = slice(position, position + 1)
+        return Acting(self.axial[:, here], self.moment[:, here], self.shear[:, here])
+
 
 @dataclass(frozen=True, eq=False)
 class Chain:
@@ -135,6 +140,10 @@ class Pressed:
     chain: int
     place: float
     places: FloatArray
+
+    def at(self, position: int) -> "Pressed":
+        """That of one position."""
+        return replace(self, places=self.places[:, position : position + 1])
 
 
 def bore_pressure(radius: float, wrench: FloatArray) -> FloatArray:
@@ -262,11 +271,8 @@ class LateralBar:
         share, position = self.worst(acting, pressed)
         if not share > 0.0:
             return share, position, 0.0
-        here = slice(position, position + 1)
-        held, _ = replace(self, tilts=False).worst(
-            [Acting(one.axial[:, here], one.moment[:, here], one.shear[:, here]) for one in acting],
-            [Pressed(one.chain, one.place, one.places[:, here]) for one in pressed],
-        )
+        here = [one.at(position) for one in acting], [one.at(position) for one in pressed]
+        held, _ = replace(self, tilts=False).worst(*here)
         return share, position, held
 
     def worst(self, acting: Sequence[Acting], pressed: Sequence[Pressed]) -> tuple[float, int]:
@@ -274,6 +280,47 @@ class LateralBar:
 
         acting  section forces of each chain
         """
+        works, loads = self._works(acting, pressed)
+        if not np.abs(loads).max(initial=0.0) > 0.0:
+            return 0.0, 0
+
+        def modes(state: FloatArray) -> tuple[float, FloatArray]:
+            values, vectors = np.linalg.eigh(-works.of(state))
+            size = float(np.abs(values).max())
+            largest = max(float(values[-1]), 0.0) if values[-1] > _NONE * size else 0.0
+            return largest, vectors[:, -_COUNT:]
+
+        scale = np.full(len(loads), max(float(np.ptp(chain.nodes)) for chain in self.chains))
+        count = len(works.slopes)
+        scale[count : 2 * count] = 1.0  # moments as they are, forces times the length
+        measure = np.diag(scale)[::_SAMPLED]
+        states = leading_states(measure, loads)
+        fields = [modes(sign * state)[1] for state in states for sign in (1.0, -1.0)]
+        found = worst_position(
+            lambda position: modes(loads[:, position]),
+            lambda known: works.shares(known, loads),
+            fields,
+            close=_CLOSE,
+        )
+        return (0.0, 0) if found is None else (found[1], found[0])
+
+    def shape(
+        self, acting: Sequence[Acting], pressed: Sequence[Pressed], places: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """w, w' and t (m,) of the lowest mode at places (m,) of the first chain, of free size.
+
+        acting, pressed  at one position
+        """
+        works, loads = self._works(acting, pressed)
+        mode = self._free @ np.linalg.eigh(-works.of(loads[:, 0]))[1][:, -1]
+        (aside, twist), (slope, _) = (self.chains[0].rows(places, n) for n in (0, 1))
+        aside, slope, twist = (self._spread(0, rows) @ mode for rows in (aside, slope, twist))
+        return aside, slope, twist
+
+    def _works(
+        self, acting: Sequence[Acting], pressed: Sequence[Pressed]
+    ) -> tuple["_Works", FloatArray]:
+        """Second-order work by the free motions, and the loads (rows, n) that it is of."""
         weights = np.concatenate([chain.weights for chain in self.chains])[:, None]
         slopes, rates, twists, gyration = self._motions
         loads = np.concatenate(
@@ -291,28 +338,7 @@ class LateralBar:
             else np.zeros((0, slopes.shape[1]))
             for n in (1, 0)
         )
-        works = _Works(slopes, rates, twists, gyration, tilts, turns)
-        if not np.abs(loads).max(initial=0.0) > 0.0:
-            return 0.0, 0
-
-        def modes(state: FloatArray) -> tuple[float, FloatArray]:
-            values, vectors = np.linalg.eigh(-works.of(state))
-            size = float(np.abs(values).max())
-            largest = max(float(values[-1]), 0.0) if values[-1] > _NONE * size else 0.0
-            return largest, vectors[:, -_COUNT:]
-
-        scale = np.full(len(loads), max(float(np.ptp(chain.nodes)) for chain in self.chains))
-        scale[len(slopes) : 2 * len(slopes)] = 1.0  # moments as they are, forces times the length
-        measure = np.diag(scale)[::_SAMPLED]
-        states = leading_states(measure, loads)
-        fields = [modes(sign * state)[1] for state in states for sign in (1.0, -1.0)]
-        found = worst_position(
-            lambda position: modes(loads[:, position]),
-            lambda known: works.shares(known, loads),
-            fields,
-            close=_CLOSE,
-        )
-        return (0.0, 0) if found is None else (found[1], found[0])
+        return _Works(slopes, rates, twists, gyration, tilts, turns), loads
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,6 +22,7 @@ from fem.unit_solutions import rigid_modes
 from geometry.mesh import FloatArray, IntArray, MeshError, TooManyElementsError
 
 _IMAGE = np.array([1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # of xx, yy, zz, xy, yz, zx, mirrored at z = 0
+FREE_SIZE = "buckling mode: {}; its size is free"  # a note
 _LOST = 1e-9  # of the largest stress: single precision, in which the page has fields, loses more
 _UNJUDGED = "fatigue was not judged: no cycle of the duty loads this part"
 ENDLESS = (
@@ -84,6 +85,20 @@ def with_mode(live: LiveFields, moves: tuple[FloatArray, FloatArray] | None) -> 
     weights = 1 / np.maximum(away, 1e-9)
     moved = (weights[..., None] * shape[near]).sum(axis=1) / weights.sum(axis=1)[:, None]
     return replace(live, mode=moved / np.linalg.norm(moved, axis=1).max())
+
+
+def moved_with(nodes: FloatArray, places: FloatArray, motions: FloatArray) -> FloatArray:
+    """Displacements (n, 3) of nodes (n, 3) whose sections move with the axis of a bar.
+
+    places   (m, 3) mm of the axis, in a straight row; a single one is of a rigid body
+    motions  (m, 6) mm and rad
+    """
+    way = places[-1] - places[0]
+    along = places @ way
+    order = np.argsort(along)
+    axis = np.hstack([places, motions])[order]
+    at = np.stack([np.interp(nodes @ way, along[order], column) for column in axis.T], axis=1)
+    return np.asarray(at[:, 3:6] + np.cross(at[:, 6:9], nodes - at[:, :3]))
 
 
 def _by_cycle(loads: PartLoads, values: FloatArray) -> dict[str, FloatArray]:

@@ -14,10 +14,21 @@ from checks.ladder.climb import Climb, answered
 from checks.ladder.leaf_checks import friction_facts, friction_gates, leaf_band, with_leaf_checks
 from checks.ladder.levels import Asked, Say, first_of
 from checks.ladder.part_facts import SMALL_DISPLACEMENT, facts_of
+from checks.ladder.part_fields import FREE_SIZE, moved_with
 from checks.ladder.section_fields import section_fields
 from checks.ladder.solid import RESCALED, check_solid
 from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC, Estimate
-from checks.result.verdict import NOT_MESHED, Check, Gate, PartResult, RungTried, Status, Surface
+from checks.result.live_fields import LiveFields
+from checks.result.verdict import (
+    NOT_MESHED,
+    Check,
+    Gate,
+    PartResult,
+    RungTried,
+    Status,
+    Surface,
+    deciding_of,
+)
 from checks.result.ways import mesh_that_settles
 from checks.strength.fatigue_facts import fatigue_facts
 from checks.strength.load_doubts import load_bars
@@ -64,8 +75,20 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
         surface=_unstressed(skin),
         assumed=assumed,
         rungs=climb.tried,
-        live=section_fields(loaded, skin, climb.use) if live else None,
+        live=_live(climb, level, skin) if live else None,
     )
+
+
+def _live(climb: Climb, level: RungLevel, skin: Skin) -> LiveFields:
+    """The estimate at every position; with the rung's buckling mode where buckling governs."""
+    fields = section_fields(climb.loaded, skin, climb.use)
+    load = level.model.buckling
+    if load is None or load.shape is None or deciding_of(answered(climb)).kind != BUCKLING:
+        return fields
+    moved = moved_with(skin.nodes, *load.shape())
+    told = FREE_SIZE.format(load.words)
+    mode = moved / np.linalg.norm(moved, axis=1).max()
+    return replace(fields, mode=mode, notes=(*fields.notes, told))
 
 
 def rung_gates(climb: Climb, level: RungLevel, size: float) -> list[Gate]:

@@ -10,8 +10,8 @@ Where the loads were computed with another mass than the plate's, a rigid accele
 the rest, as in a solid.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import pairwise
 
@@ -42,6 +42,7 @@ from geometry.parts.plate import Plate
 _STATIONS = 33
 _OF_ARM = 13  # stations of an arm, from bore to bore
 _MEMBERS = 6  # of an arm
+_OF_MODE = 65  # places at which a mode is told
 _IN_PLANE = "in plane: Euler's column along its bores, under the largest compression of its arms"
 
 
@@ -174,7 +175,7 @@ def elastic_load(part: Part, forces: PlateForces) -> ElasticLoad | None:
     sideways = _sideways(part, forces, pulled)
     if sideways is None:
         return None
-    aside, where, held = sideways
+    aside, where, held, shape = sideways
     (position,) = first_largest(column)
     if column[position] >= aside:
         explain = partial(column_items, float(force[position]), flat, np.inf, way.length)
@@ -183,11 +184,14 @@ def elastic_load(part: Part, forces: PlateForces) -> ElasticLoad | None:
             most, position, _IN_PLANE, explain, pulled=pulled, plane=plane, span=way.length
         )
     explain, fixity = partial(factor_items, aside), 1 - max(column[position], held) / aside
-    return ElasticLoad(aside, where, ASIDE, explain, LATERAL, pulled, max(0.0, fixity))
+    found = ElasticLoad(aside, where, ASIDE, explain, LATERAL, pulled, max(0.0, fixity))
+    return replace(found, shape=shape) if aside > 0.0 else found
 
 
-def _sideways(part: Part, forces: PlateForces, pulled: bool) -> tuple[float, int, float] | None:
-    """Share out of the plane, where, and the share with forks that hold against tilting.
+def _sideways(
+    part: Part, forces: PlateForces, pulled: bool
+) -> tuple[float, int, float, Callable[[], tuple[FloatArray, FloatArray]]] | None:
+    """Share out of the plane, where, the share with forks that hold against tilting, and the mode.
 
     None where an arm leaves the plate.
 
@@ -247,8 +251,33 @@ def _sideways(part: Part, forces: PlateForces, pulled: bool) -> tuple[float, int
     held = [float(reached[names.index(name)]) for name in forces.names[:2] if name in names]
     if len(held) < 2:  # drawn plates: a pin that holds it stands beside the way
         held = [0.0, float(reached[-1])]
-    bar = LateralBar([chain], [(0, place) for place in held])
-    return bar.worst_of_forks([Acting(axial, moment, shear)], pressed)
+    bar, acts = LateralBar([chain], [(0, place) for place in held]), Acting(axial, moment, shear)
+    share, position, stiff = bar.worst_of_forks([acts], pressed)
+
+    def mode() -> tuple[FloatArray, FloatArray]:
+        along = np.linspace(0.0, float(reached[-1]), _OF_MODE)
+        moves = bar.shape([acts.at(position)], [one.at(position) for one in pressed], along)
+        return moves_along(np.array([bore.centre for bore in way]), along, *moves)
+
+    return share, position, stiff, mode
+
+
+def moves_along(
+    corners: FloatArray, along: FloatArray, aside: FloatArray, slope: FloatArray, twist: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Places (m, 3) and motions (m, 6) of a bent and twisted bar laid along corners x + i y.
+
+    along  (m,) mm from the first corner, at which it has w, w' and t
+    """
+    arms = np.diff(corners)
+    reached = np.r_[0.0, np.cumsum(np.abs(arms))]
+    arm = np.clip(np.searchsorted(reached, along) - 1, 0, len(arms) - 1)
+    way = (arms / np.abs(arms))[arm]
+    at = corners[arm] + (along - reached[arm]) * way
+    nothing = np.zeros_like(along)
+    turns = twist * way - 1j * slope * way
+    motions = (nothing, nothing, aside, turns.real, turns.imag, nothing)
+    return np.stack([at.real, at.imag, nothing], axis=1), np.stack(motions, axis=1)
 
 
 def deflected(part: Part, forces: PlateForces) -> float:
