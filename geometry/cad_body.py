@@ -5,6 +5,7 @@ The linkage needs the mass properties, checks by formula need the holes, a repor
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from math import pi
 from typing import Any, TypeVar
 
@@ -73,9 +74,12 @@ def cad_body(shape: Buildable) -> SolidBody:
     return _built(shape, known)
 
 
-def cad_skin(shape: Buildable) -> Skin:
-    """Build a shape and cover its faces with triangles; raises MeshError."""
-    return _built(shape, _skin)
+def cad_skin(shape: Buildable, per_turn: int = _CURVED) -> Skin:
+    """Build a shape and cover its faces with triangles; raises MeshError.
+
+    per_turn  facets on a full turn
+    """
+    return _built(shape, partial(_skin, per_turn))
 
 
 def _built(shape: Buildable, known: Callable[[Any, Body, float], T]) -> T:
@@ -110,16 +114,16 @@ def _extent(gmsh: Any) -> float:
     return float((high.max(axis=0) - low.min(axis=0)).max())
 
 
-def _skin(gmsh: Any, body: Body, unit: float) -> Skin:
+def _skin(per_turn: int, gmsh: Any, body: Body, unit: float) -> Skin:
     """Flat triangles on all faces of the solids; TooFineError for too many of them."""
     radii = [interface.radius for interface in body.interfaces if interface.radius]
-    least = _SMALLEST * 2 * pi / _CURVED * min(radii, default=0.0)
-    check_skin(gmsh, (least, _COARSE * body.size), _CURVED, unit)
+    least = _SMALLEST * 2 * pi / per_turn * min(radii, default=0.0)
+    check_skin(gmsh, (least, _COARSE * body.size), per_turn, unit)
     for name, value in (
         ("Mesh.ElementOrder", 1),
         ("Mesh.MeshSizeMax", _COARSE * body.size),
         ("Mesh.MeshSizeMin", least),
-        ("Mesh.MeshSizeFromCurvature", _CURVED),
+        ("Mesh.MeshSizeFromCurvature", per_turn),
     ):
         gmsh.option.setNumber(name, value)
     gmsh.model.mesh.generate(2)

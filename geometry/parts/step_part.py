@@ -292,7 +292,7 @@ class StepPart(Shape):
         """Notes on the reading of the file: sentences for the report."""
         said = [*self.solid.told]
         said.append(
-            "no column formula with yield is known for a shape from CAD, so none was checked"
+            "no column formula is known for a shape from CAD, so yield was not checked by one"
         )
         if self.section is None:
             height, thickness = self.stressed_section
