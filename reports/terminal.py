@@ -30,6 +30,7 @@ _INDENT = 6
 _RIGHT = {3, 5}
 # Least widths of columns, in the order in which they give way.
 _LEAST = ((1, 14), (0, 12), (2, 18), (1, 8), (0, 8), (4, 8), (2, 12), (0, 6), (1, 6))
+_LONGEST_TEXT = 2000  # of an assumption: ours have up to 500, files may say anything
 _LONGEST_NAME = 18
 
 
@@ -68,7 +69,9 @@ def verdict_text(
         lines += labelled("NOT CHECKED", text, width)
     assumed = assumptions(result)
     if assumed or result.defaults:
-        items = "; ".join(f"{brief(keys, 200)} ({brief(what, 200)})" for keys, what in assumed)
+        items = "; ".join(
+            f"{brief(keys, 200)} ({brief(what, _LONGEST_TEXT)})" for keys, what in assumed
+        )
         count = len(result.defaults)
         defaults = f"({count} default value{'s' if count > 1 else ''}, listed in the report)"
         text = f"{len(assumed)}: {items}" if assumed else "nothing beyond the defaults"
