@@ -107,11 +107,15 @@ def _through(pin: Part, lug: str, lining: Lining) -> str:
     shape = as_pin(pin.geometry)
     assert shape is not None
     thick = (lining.ratio - 1) * (entry.diameter or shape.diameter) / 2
-    if own := pin.bushes.get(lug):
-        return f" through a bush of {own.name}, {thick:.3g} mm thick,"
+    own, bush = pin.bushes.get(lug), entry.bush
+    said = f"{thick:.3g} mm thick,"
+    if bush and bush.length < entry.width * (1 - 1e-6):
+        said += f" {bush.length:g} mm long but taken as long as the lug of {entry.width:g} mm,"
+    if own:
+        return f" through a bush of {own.name}, {said}"
     return (
-        f" through a bush {thick:.3g} mm thick, of a material ASSUMED between steel and so soft "
-        f"that it evens all (parts.{pin.name}.stack[{index}].bush.material is not stated),"
+        f" through a bush {said} of a material ASSUMED between steel and so soft that it evens all "
+        f"(parts.{pin.name}.stack[{index}].bush.material is not stated),"
     )
 
 

@@ -18,6 +18,7 @@ from checks.stress.beyond_even import beyond_even
 from checks.stress.error_bars import bars_of
 from checks.stress.judged import StaticPeak
 from checks.stress.kept_models import Models
+from checks.stress.pins_in_bores import fits_of
 from checks.stress.pressed_along import stack_in
 from fem.contact.beds import Lug, RoundBar
 from fem.contact.bore import bore_harmonics
@@ -168,6 +169,13 @@ def test_the_softer_a_bush_the_less_a_bent_pin_presses_at_edges_and_the_wider_it
     told, items = solid_bars(bars, "v")
     assert "s_b" in {getattr(item, "symbol", "") for item in items}
     assert "bushes, whose material is not stated" in told.words
+
+
+def test_a_bush_that_is_shorter_than_its_lug_is_told(tmp_path):
+    stack = STACK.replace('diameter = "12 mm"', 'diameter = "10 mm"')
+    short = ', bush = { length = "4 mm", allowable = "100 MPa", material = "CuSn11P" }'
+    fit = fits_of(rod(tmp_path, bush=short, stack=stack))["first"]
+    assert "CuSn11P, 1 mm thick, 4 mm long but taken as long as the lug of 8 mm," in fit.material
 
 
 def test_a_bush_of_no_known_material_or_without_room_is_refused_with_its_key(tmp_path):
