@@ -8,6 +8,7 @@ import pytest
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.models import bands
+from checks.result.derivation import Derivation, Given, Section
 from checks.result.verdict import Gate, RungTried, Status
 from checks.result.ways import arc_fact, clearance_fact, ways_out
 
@@ -80,6 +81,20 @@ def test_clearances_up_to_which_it_passes_are_fits_of_the_part():
     assert way.text.endswith('passes with fits.knee = "0 .. 0.08 mm", fits.end = "0 .. 0.06 mm"')
     other = part(checks=[BY_MODEL], facts={clearance_fact("fatigue", "knee"): 0.08})
     assert "nothing here settles it" in only(design(other)).text
+
+
+def test_bushes_whose_material_is_not_stated_are_a_way_only_where_steel_passes():
+    """Of steel 225 + 1 + 10 = 236 of 236.7 MPa; 2 MPa more in the band that is left do not."""
+
+    def of(steel, others=0.0):
+        items = (Given("b_s", "of steel", steel, "MPa"), Given("b_up", "band", 60.0, "MPa"))
+        told = Derivation((), (Section("bars", items),), "b_up", "b_up")
+        open_one = replace(BY_MODEL, model=60.0 + others, derivation=told)
+        return only(design(part(checks=[open_one], rungs=[SOLID]))).text
+
+    assert "bush.material in their stacks): as stiff as steel it passes" in of(10.0)
+    assert "nothing here settles it" in of(10.0, 2.0)
+    assert "nothing here settles it" in of(60.0)
 
 
 def test_an_arc_from_which_it_passes_is_a_key_of_the_part():
