@@ -345,7 +345,12 @@ def pins_data(level: Level, bars: Mapping[Judged, Bars]) -> dict[str, Any]:
     ranges = {name: [fit.least, fit.largest] for name, fit in fits.items()}
     kinds: dict[str, Any] = {}
     for what, own in bars.items():
-        found: dict[str, Any] = {"above": own.above, "below": own.below}
+        by = own.clearances if own.clearances and not own.by_arc else own
+        bent = own.along if by is own else None  # bent pins and bushes stay
+        found: dict[str, Any] = {
+            "above": by.above - (bent.above if bent else 0.0),
+            "below": by.below - (bent.below if bent else 0.0),
+        }
         if any(least < most for least, most in ranges.values()):
             solved = dict(own.clearances.values) if own.clearances else {}
             solved |= values_at(what, level, [one for one in _SHARES if one not in solved])

@@ -97,6 +97,8 @@ def _fit(loaded: LoadedPart, name: str, least: float, largest: float) -> Fit:
     unstated = lining is not None and part.body not in pins[0].bushes
     if lining is not None:
         words += _through(pins[0], part.body or "", lining)
+    elif pins and any(entry.bush for entry in pins[0].stack if entry.name == part.body):
+        words += ", whose bush has no room in the hole and is left out,"
     elastic = material.youngs_modulus, material.poisson_ratio
     return Fit(least, largest, *elastic, words, lining, unstated)
 

@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 from ballesta.machine.runs import solved_runs
 from checks.derivations.bars import solid_bars
 from checks.design.errors import DesignError
+from checks.ladder.chart_data import pins_data
 from checks.ladder.levels import first_level
 from checks.ladder.part_facts import assumed_of
 from checks.part.loaded_part import LoadedPart
@@ -74,6 +75,9 @@ def test_a_bent_pin_presses_the_edges_of_an_eye_more_which_the_band_holds(bent):
         told, items = solid_bars(bars, "v")
         assert {"q_1", "q_2"} < {getattr(item, "symbol", "") for item in items}
         assert "bent pins" in told.words
+        (told,) = pins_data(level, {what: bars})["pins"]["kinds"].values()
+        assert_allclose(told["above"], bars.clearances.above)  # a slider leaves what bending adds
+        assert told["above"] < bars.above - 0.9 * found.above
     said = " ".join(assumed_of(loaded, level))
     assert "the pin bends, which presses up to" in said
     assert "which the band holds as well" in said
