@@ -117,9 +117,8 @@ def _growing(last: int, x: FloatArray) -> FloatArray:
     """Slope x I_n'/I_n (last + 2, m), in a bar."""
     numbers = np.arange(last + 2)[:, None]
     size = np.hypot(numbers, x)
-    found: FloatArray = size - x**2 / (
-        2 * size**2
-    )  # Debye's first two terms: the next is below 1/(8 x)
+    # Debye's first two terms; the next is below 1/(8 x)
+    found: FloatArray = size - x**2 / (2 * size**2)
     some = x < _SHORT
     if not some.any():
         return found
