@@ -38,7 +38,6 @@ $(PEERS): $(READY)
 # The demo judges nothing: the press' own verdict (exit code 1 for FAIL or UNDECIDED) is its result.
 demo: $(READY)
 	@$(BIN)/ballesta check designs/toggle_press.toml --out out || test $$? -eq 1
-	@echo "report: out/toggle_press/report.html"
 	@echo "ballesta in this shell: . .venv/bin/activate; then: ballesta new four-bar --file four_bar.toml"
 
 # Each process takes one thread (tests/conftest.py): threads of their own would wait for each other.

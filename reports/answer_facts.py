@@ -41,6 +41,7 @@ from reports.terminal import labelled, report_line, table_row, wrap
 
 _MOST_LINES = 25
 _MOST_WARNINGS = 2
+_MOST_GATES = 3  # told in short beside the first of their kind
 _MOST_WAYS = 2
 _LONGEST_LIST = 75  # letters of subjects that no check covers: a line of a terminal
 _MOST_MASSES = 4
@@ -190,7 +191,9 @@ def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
     for binding, alike in groupby(broken, key=lambda gates: gates.binding):
         first, *left = alike
         told = first.told if len(first.told) <= _LONGEST_MEANING else first.cure
-        said = (first.short, told, *(gates.short for gates in left))
+        more = len(left) - _MOST_GATES
+        shorts = [gates.short for gates in left[:_MOST_GATES]]
+        said = (first.short, told, *shorts, f"and {more} more" if more > 0 else "")
         label = "NOT VALID" if binding else "not met"
         yield Fact(label, _short("; ".join(filter(None, said))), "", binding)
     if result.all_gates and not broken:

@@ -41,7 +41,7 @@ def haigh_chart(part: PartResult, result: DesignResult) -> Chart | Missing:
     series = [
         Series(f"amplitude of {SWING}", "MPa", decimals=1),
         Series("its mean", "MPa", decimals=1),
-        Series(f"its utilisation by {rule}, without safety", "", decimals=3),
+        Series(f"its share of {rule}'s line", "", decimals=3),
     ]
 
     def plot(figure: Drawing) -> dict[str, str]:
@@ -217,7 +217,7 @@ def _caption(data: Mapping[str, Any], check: Check | None, rule: str, used: floa
 def _table(
     data: Mapping[str, Any], point: FloatArray, used: float, result: DesignResult
 ) -> tuple[list[str], list[list[str]]]:
-    columns = ["point", "mean [MPa]", "amplitude [MPa]", "utilisation"]
+    columns = ["point", "mean [MPa]", "amplitude [MPa]", "share of the line"]
     rows = [_row("critical point", point, used)]
     limit = limit_line(data)
     for text, at in (("line, reversed stress", limit[0]), ("line, end", limit[-1])):

@@ -127,6 +127,15 @@ def test_a_validity_check_that_does_not_hold_is_told_with_its_cure(binding, labe
     assert f"{label} speed: 2.00 > 1.00; the drive slows down. State drive.control" in text
 
 
+def test_validity_checks_that_do_not_hold_are_one_paragraph_that_counts_what_it_leaves_out():
+    gates = [Gate(f"one: kind {k}", 2.0, 1.0, "told", False) for k in range(6)]
+    binding = Gate("speed", 2.0, 1.0, "the drive slows down")
+    text = words(answer_text(results.design(gates=[*gates, binding]), 100))
+    assert "NOT VALID speed: 2.00 > 1.00; the drive slows down" in text
+    kinds = "; ".join(f"one: kind {k}: 2.00 > 1.00" for k in (1, 2, 3))
+    assert f"not met one: kind 0: 2.00 > 1.00; told; {kinds}; and 2 more" in text
+
+
 def test_a_safety_near_the_need_has_four_digits_and_is_rounded_down():
     near = results.check(value=100.0, limit=128.859, required=1.3, numerical=0.0, model=25.0)
     text = answer_text(results.design(results.part(checks=[near])), 100)
