@@ -10,6 +10,7 @@ stays folded, there is no such mesh.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from hashlib import sha256
 from math import factorial
 from typing import Any
 
@@ -31,13 +32,17 @@ from geometry.part_sizes import in_unit
 
 
 class Carrier:
-    """A mesh that is carried over to other shapes, and the body that it was made of."""
+    """A mesh that is carried over to other shapes, and the body that it was made of.
+
+    digest  of the mesh: equal ones carry it to the same mesh of a shape
+    """
 
     def __init__(self, mesh: Mesh, shape: Buildable) -> None:
         """Take the mesh of a shape; raises MeshError for a stack of bodies."""
         if mesh.entities is None:
             raise MeshError("a mesh of a stack of bodies is not carried over")
         self._mesh, self._entities = mesh, mesh.entities
+        self.digest = sha256(mesh.nodes.tobytes() + mesh.elements.tobytes()).hexdigest()
         self._nodes = mesh.nodes / mesh.unit
         with gmsh_session() as gmsh:
             _built(gmsh, shape, mesh.unit)

@@ -172,9 +172,9 @@ def carried_result(
         return "only one of the two is its own mirror image"
     limit = endurance_of(part).value
     try:
-        mesh = neighbour.carrier.to(shape)
-        say(f"{part.name}: {3 * len(mesh.nodes)} unknowns, a mesh carried over")
-        level = level_on(loaded, models.solved(mesh, elastic_of(part)), neighbour.fineness, limit)
+        say(f"{part.name}: {3 * len(neighbour.mesh.nodes)} unknowns, a mesh carried over")
+        solutions = models.carried(neighbour.carrier, shape, elastic_of(part))
+        level = level_on(loaded, solutions, neighbour.fineness, limit)
     except MeshError as error:
         return f"carried over, {error}"
     judged = judged_of(loaded)

@@ -25,6 +25,7 @@ from geometry.symmetry import Half
 
 if TYPE_CHECKING:
     from fem.unit_solutions import Elastic, UnitSolutions
+    from geometry.carrying import Carrier
 
 _PACKAGES = ("geometry",)
 
@@ -41,6 +42,7 @@ class Models:
         self._solutions: dict[
             tuple[Buildable, float, SizeField | None, Elastic], UnitSolutions
         ] = {}
+        self._carried: dict[tuple[Buildable, str, Elastic], UnitSolutions] = {}
         self._bodies: dict[Buildable, SolidBody] = {}
         self._skins: dict[Buildable, Skin] = {}
         self._begun: dict[Buildable, Future[Skin]] = {}
@@ -122,20 +124,29 @@ class Models:
             self.seconds["solve"] += perf_counter() - start
         return self._solutions[key]
 
-    def solved(self, mesh: Mesh, material: "Elastic") -> "UnitSolutions":
-        """Solve the unit loads of a mesh that no other part has; they are not kept."""
-        from fem.unit_solutions import solve_unit_loads
+    def carried(self, carrier: "Carrier", shape: Buildable, material: "Elastic") -> "UnitSolutions":
+        """Return the solved unit loads of a shape on a mesh that is carried over to it.
 
-        start = perf_counter()
-        solutions = solve_unit_loads(mesh, material)
-        _ = solutions.basis
-        self.seconds["solve"] += perf_counter() - start
-        return solutions
+        Raises MeshError where it cannot be.
+        """
+        key = (shape, carrier.digest, material)
+        if key not in self._carried:
+            from fem.unit_solutions import solve_unit_loads
+
+            start = perf_counter()
+            mesh = carrier.to(shape)
+            self.seconds["mesh"] += perf_counter() - start
+            start = perf_counter()
+            self._carried[key] = solve_unit_loads(mesh, material)
+            _ = self._carried[key].basis
+            self.seconds["solve"] += perf_counter() - start
+        return self._carried[key]
 
     def keep_only(self, shapes: Set[Buildable]) -> None:
         """Let go of the meshes and factors of all other shapes: a factor takes up to a GiB."""
         self._meshes = {k: mesh for k, mesh in self._meshes.items() if _whole(k[0]) in shapes}
         self._solutions = {k: done for k, done in self._solutions.items() if _whole(k[0]) in shapes}
+        self._carried = {k: done for k, done in self._carried.items() if _whole(k[0]) in shapes}
 
 
 def _whole(shape: Buildable) -> Buildable:
