@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from loads.blow_force import BlowForce, Struck, blow_force
-from loads.bodies import FloatArray, IntArray, LinkageError
+from loads.bodies import BoolArray, FloatArray, IntArray, LinkageError
 from loads.contact import Touch
 from loads.cycle_loads import CycleLoads
 from loads.forces import JointLoad, unit_forces
@@ -174,6 +174,14 @@ def with_blow(cycle: CycleLoads, blow: BlowLoads) -> CycleLoads:
     )
     before = np.arange(blow.row + 1)
     return joined([at_rows(cycle, before), blow.loads, at_rows(cycle, kept)])
+
+
+def moments_of_blows(cycle: CycleLoads) -> BoolArray:
+    """Return which rows (n,) are moments of a blow: poses stay as time goes on."""
+    still = np.append(False, (cycle.poses[1:] == cycle.poses[:-1]).all(axis=(1, 2)))
+    later = still & np.append(False, np.diff(cycle.times) > 0.0)
+    first = still & np.append(later[1:], False)  # it has the time of the touch
+    return np.asarray(later | first)
 
 
 def at_rows(cycle: CycleLoads, rows: IntArray) -> CycleLoads:
