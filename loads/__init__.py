@@ -2,7 +2,7 @@
 
 from loads.assembly import assembly_gap
 from loads.blow_force import BlowForce, Struck
-from loads.blow_loads import BlowLoads, blow_loads, with_blow
+from loads.blow_loads import BlowLoads, at_rows, blow_loads, moments_of_blows, with_blow
 from loads.blows import Blow, JointImpulse, blow
 from loads.bodies import GROUND, Body, LinkageError, Pose
 from loads.compliance import BeamCompliance, Compliance, JointCompliance, MatrixCompliance
@@ -128,10 +128,12 @@ __all__ = [
     "Term",
     "UnsettledError",
     "assembly_gap",
+    "at_rows",
     "blow",
     "blow_loads",
     "diagnose",
     "forces_again",
+    "moments_of_blows",
     "move",
     "moves_alike",
     "percent",

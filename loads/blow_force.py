@@ -140,6 +140,7 @@ def blow_force(
     speed: float,
     struck: Struck,
     damping: float = 0.0,
+    holds: float = inf,
 ) -> BlowForce:
     """Return the force of a blow.
 
@@ -148,15 +149,16 @@ def blow_force(
     compliance  mm/N of the point without mass
     speed       mm/s towards the workpiece
     damping     ratio of every mode
+    holds       s, for which the modes are those of this pose: slower swing is followed no longer
 
     Raises LinkageError where the blow cannot be followed.
     """
     count = min(_FIRST, len(omega))
-    found = _with_modes(omega, shapes, compliance, speed, struck, damping, count)
+    found = _with_modes(omega, shapes, compliance, speed, struck, (damping, holds), count)
     while count < len(omega):
         count = min(2 * count, len(omega))
         before = found
-        found = _with_modes(omega, shapes, compliance, speed, struck, damping, count)
+        found = _with_modes(omega, shapes, compliance, speed, struck, (damping, holds), count)
         sizes = zip(_sizes(before, omega), _sizes(found, omega), strict=True)
         settled = all(abs(one - other) <= _SETTLED * other for one, other in sizes)
         if settled and found.unresolved <= 1.0:
@@ -176,10 +178,13 @@ def _with_modes(
     compliance: float,
     speed: float,
     struck: Struck,
-    damping: float,
+    swings: tuple[float, float],
     count: int,
 ) -> BlowForce:
-    """The blow with the lowest modes alone; the others yield without mass."""
+    """The blow with the lowest modes alone; the others yield without mass.
+
+    swings  damping, and time for which the pose holds
+    """
     left = (shapes[count:] / omega[count:]) ** 2
     follow = shapes[count:] / omega[count:] ** 2
     own, along = omega[:count], shapes[:count]
@@ -193,7 +198,7 @@ def _with_modes(
     pressed_in = 0.5 * speed**2 / float(along @ along) / struck.yields
     if isinf(struck.stiffness) and yielding * struck.yields < _RIGID * pressed_in:
         yielding = 0.0
-    run = _Run(own, along, yielding, speed, struck.yields, damping, count)
+    run = _Run(own, along, yielding, speed, struck.yields, swings, count)
     times, states = run.followed()
     force = run.forces(times, states)
     modal = np.concatenate([states[:, :count], force[:, None] * follow], axis=1)
@@ -236,10 +241,11 @@ class _Run:
         yielding: float,
         speed: float,
         yields: float,
-        damping: float,
+        swings: tuple[float, float],
         linkage: int,
     ) -> None:
-        self.omega, self.along, self.damping = omega, along, damping
+        self.omega, self.along = omega, along
+        self.damping, self.holds = swings
         self.linkage = linkage  # number of modes that are the linkage's
         self.stiffness = 1.0 / yielding if yielding > 0.0 else inf
         self.speed, self.yields = speed, yields
@@ -313,7 +319,7 @@ class _Run:
             mode = self._next(mode, time, state)
             if mode in ("free", "held"):
                 self.contact, self.rebound = time, max(-self.approach(state), 0.0)
-                end = time + max(time, self._swing(state))
+                end = time + max(time, min(self._swing(state), self.holds))
         if mode == "plastic":
             self.set = self._pressed(time, state)
         fastest = self._fastest(np.array([sol(t) for _, sol in solutions for t in sol.ts]))

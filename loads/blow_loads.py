@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from loads.blow_force import BlowForce, Struck, blow_force
-from loads.bodies import FloatArray, IntArray, LinkageError
+from loads.bodies import BoolArray, FloatArray, IntArray, LinkageError
 from loads.contact import Touch
 from loads.cycle_loads import CycleLoads
 from loads.forces import JointLoad, unit_forces
@@ -33,6 +33,7 @@ from loads.vibration import (
 )
 
 _ROUND_OFF = 1e-9  # of a compliance
+_SAME_POSE = 0.1  # of the struck point's rate over the pace's
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +82,9 @@ def blow_loads(
     rate = float(cycle.rate(force)[row])
     way = -np.sign(rate) * cycle.linkage.force(force).sign  # of the effort that the workpiece is
     along = way * omega * shares
+    holds = inf
     if not isinf(inertia):
+        holds = _holds(cycle, force, row)
         omega, shapes, along = _with_free_drive(modes, elastic, omega, shapes, along, inertia, rate)
     blow = blow_force(
         omega,
@@ -90,6 +93,7 @@ def blow_loads(
         abs(rate),
         struck,
         damping,
+        holds,
     )
     if isinf(blow.contact) and blow.force[-1] < (1.0 - 1e-6) * struck.yields:
         raise LinkageError(
@@ -134,6 +138,16 @@ def _turned(cycle: CycleLoads, force: str, row: int, deepest: float) -> float:
     return abs(float(there / slope[0]) - 1.0)
 
 
+def _holds(cycle: CycleLoads, force: str, row: int) -> float:
+    """Time from a row in which the contact's rate over the pace's stays within a tenth, s."""
+    own = np.flatnonzero(cycle.phase_of == cycle.phase_of[row])
+    own = own[own >= row]
+    slope = cycle.slope(force)[own]
+    left = np.flatnonzero(np.abs(slope / slope[0] - 1.0) > _SAME_POSE)
+    last = own[left[0] - 1] if len(left) else own[-1]
+    return float(cycle.times[last] - cycle.times[row])
+
+
 def _with_free_drive(
     modes: LinkageModes,
     cycle: CycleLoads,
@@ -173,7 +187,16 @@ def with_blow(cycle: CycleLoads, blow: BlowLoads) -> CycleLoads:
         after & ((cycle.times > end) | (cycle.phase_of != blow.loads.phase_of[0]))
     )
     before = np.arange(blow.row + 1)
-    return joined([at_rows(cycle, before), blow.loads, at_rows(cycle, kept)])
+    whole = joined([at_rows(cycle, before), blow.loads, at_rows(cycle, kept)])
+    return replace(whole, unstruck=cycle.unstruck or cycle)
+
+
+def moments_of_blows(cycle: CycleLoads) -> BoolArray:
+    """Return which rows (n,) are moments of a blow: poses stay as time goes on."""
+    still = np.append(False, (cycle.poses[1:] == cycle.poses[:-1]).all(axis=(1, 2)))
+    later = still & np.append(False, np.diff(cycle.times) > 0.0)
+    first = still & np.append(later[1:], False)  # it has the time of the touch
+    return np.asarray(later | first)
 
 
 def at_rows(cycle: CycleLoads, rows: IntArray) -> CycleLoads:

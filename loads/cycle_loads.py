@@ -6,7 +6,7 @@ Between the positions of a cycle loads may rise: the part that too few positions
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -112,6 +112,7 @@ class CycleLoads:
     conditioning   (n,) share of the motion that the solved force sees: 1 best, 0 dead centre
     pace           the coordinate that sets the time
     unresolved     what the positions miss of loads that rise between them
+    unstruck       the cycle without the moments of its blows; None where there are none
     """
 
     linkage: Linkage
@@ -131,6 +132,7 @@ class CycleLoads:
     second_order: float
     conditioning: FloatArray
     unresolved: Unresolved = NOTHING
+    unstruck: "CycleLoads | None" = None
 
     @cached_property
     def _kinematics(self) -> Kinematics:
@@ -254,16 +256,22 @@ class CycleLoads:
         return self._kinematics.value(self.linkage.force(force).coordinate, self.poses)
 
     def drive(self, force: str) -> DriveFigures:
-        """Return the effort, work and power of a force or torque over the cycle."""
-        return drive_figures(
-            self._kinematics,
-            self.linkage.force(force),
-            self.efforts[force],
-            self.times,
-            self.poses,
-            self.velocities,
-            self.heading,
+        """Return the effort, work and power of a force or torque over the cycle.
+
+        Of the cycle without blows, in whose moments the poses stay, but for the extreme efforts.
+        """
+        cycle = self.unstruck or self
+        figures = drive_figures(
+            cycle._kinematics,
+            cycle.linkage.force(force),
+            cycle.efforts[force],
+            cycle.times,
+            cycle.poses,
+            cycle.velocities,
+            cycle.heading,
         )
+        own = self.efforts[force]
+        return replace(figures, smallest=float(own.min()), largest=float(own.max()))
 
     def rate(self, force: str) -> FloatArray:
         """Return the rate of a force's coordinate (n,) [mm/s or rad/s]."""

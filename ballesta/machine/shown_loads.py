@@ -147,8 +147,13 @@ def motor_figures(design: Design, cycle: loads.CycleLoads) -> MotorFigures | Non
         return None
     geared = pace.motor
     drive = stated.run.phases[0].solve
+
+    def torques(speeds: FloatArray) -> FloatArray:
+        return np.array([geared.torque(float(value))[0] for value in speeds])
+
+    at_all = np.abs(cycle.rate(drive))
+    cycle = cycle.unstruck or cycle  # a motor turns on through a blow, in which poses stay
     speed = np.abs(cycle.rate(drive))
-    torque = np.array([geared.torque(float(value))[0] for value in speed])
     own = np.array([geared.motor.torque(float(value) * geared.ratio)[0] for value in speed])
     shown = shown_position(stated, cycle.positions)
     slowest, fastest = int(speed.argmin()), int(speed.argmax())
@@ -164,9 +169,9 @@ def motor_figures(design: Design, cycle: loads.CycleLoads) -> MotorFigures | Non
         rated=geared.motor.rated_torque,
         power=summed(cycle, own * speed * geared.ratio, cycle.times) / duration,
         ratio=geared.ratio,
-        missing=_missing(cycle, drive, torque * speed),
-        speed=speed,
-        torque=torque,
+        missing=_missing(cycle, drive, torques(speed) * speed),
+        speed=at_all,
+        torque=torques(at_all),
     )
 
 

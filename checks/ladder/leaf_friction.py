@@ -125,7 +125,7 @@ class _Cycle:
     loads     (n, n_dofs) on the stack
     stress    (n, count, 2, 2 (k - 1)) MPa
     touched   name of the contact that imposes a deflection; "" without one
-    force     (n,) N, of that contact; 0 where nothing is imposed
+    force     (n,) N, of that contact; 0 where nothing is imposed, as in a blow, whose loads stand
     """
 
     at: IntArray
@@ -274,7 +274,8 @@ class _Pack:
         if gives(self.loaded, run):
             assert isinstance(run, loads.CycleLoads)
             (touched,) = run.touches
-            force = np.abs(run.efforts[touched][at])
+            pressed = np.where(loads.moments_of_blows(run), 0.0, np.abs(run.efforts[touched]))
+            force = pressed[at]
         stress = self.stack.stress(self.contact.tied(own))
         return _Cycle(at, wrenches, reach, own, stress, touched, force)
 
@@ -380,8 +381,10 @@ def _per_force(
     From the cycle solved once more with a stiffer pack. The deflection of a force F that lifts the
     linkage by `lift` is F (rest + pack) = -lift.
     """
-    run, columns = loaded.runs[name], loaded.loads.cycles[name]
-    assert isinstance(run, loads.CycleLoads)
+    whole, columns = loaded.runs[name], loaded.loads.cycles[name]
+    assert isinstance(whole, loads.CycleLoads)
+    kept = np.flatnonzero(~loads.moments_of_blows(whole))
+    run = loads.at_rows(whole, kept)
     linkage = replace(
         run.linkage,
         compliance=tuple(_stiffer(entry, loaded.part.body) for entry in run.linkage.compliance),
@@ -397,7 +400,7 @@ def _per_force(
         )
     change = (again - force)[telling, None]
     rates = {
-        key: (wrenches[key] - wrench[columns])[telling] / change
+        key: (wrenches[key] - wrench[columns][kept])[telling] / change
         for key, wrench in loaded.loads.wrenches.items()
     }
     ways = [
@@ -408,7 +411,7 @@ def _per_force(
     share = np.maximum(ways[0] / own - 1, 0.0)
 
     def at(values: FloatArray) -> FloatArray:
-        return np.asarray(np.interp(chosen, telling, values))
+        return np.asarray(np.interp(chosen, kept[telling], values))
 
     unit = {key: np.stack([at(row) for row in rate.T], axis=1) for key, rate in rates.items()}
     return unit, at(share)

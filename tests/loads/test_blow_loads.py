@@ -119,6 +119,8 @@ def test_the_moments_of_a_blow_take_the_place_of_the_positions_in_its_time(pushe
     for name, load in cycle.reactions.items():
         assert_allclose(whole.reactions[name].force[before + count :], load.force[kept])
     assert whole.touches["stop"].gap.shape == whole.times.shape
+    moments = np.flatnonzero(loads.moments_of_blows(whole))
+    assert_allclose(moments, np.arange(before, before + count))
 
 
 @pytest.mark.parametrize("inertia", [0.0, 4e-3])

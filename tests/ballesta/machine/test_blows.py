@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,13 +18,16 @@ from ballesta.machine.blows import (
     with_blows,
 )
 from ballesta.machine.runs import MachineRuns
+from ballesta.machine.shown_loads import motor_figures
 from ballesta.machine.solved_cycles import solve_cycles
+from ballesta.machine.validity_checks import load_gates
 from ballesta.pipeline import NOT_CHECKED, _not_checked
 from checks.design.errors import DesignError
 from reports.loads_page import loads_html
 from reports.loads_text import loads_text
 
 ROOT = Path(__file__).parents[3]
+FORGING = "at_5_work_10"
 DESIGNS = ROOT / "designs"
 # a crank of 60 mm and a rod of 200 mm; the slider, 2 kg, meets a stop of 1 kN/mm at 150 mm
 PAGE = ROOT / "docs" / "theory" / "blows.md"
@@ -229,6 +233,34 @@ def test_the_hammer_forges_with_the_energy_of_its_ram(forging):
         "swing after a blow beyond its first half period, stress waves in it, "
         "leaves that part in it"
     )
+
+
+@pytest.mark.parametrize("answers", ['{ stiffness = "20 kN/mm" }', '{ yields = "30 kN" }'])
+def test_the_hammer_forges_by_motor_and_flywheel(forging, answers):
+    """The ram strikes as where the drive is held, at the motor's speed; the motor turns on."""
+    held, _ = forging(answers)
+    motor = 'power="1.5 kW", speed="1430 rpm", free_speed="1500 rpm", breakdown=2.6, ratio=30'
+    design = read_design(held.file, (f'drive={{ motor={{ {motor} }}, flywheel="20 kg m2" }}',))
+    design = replace(design, cycles={FORGING: design.cycles[FORGING]})
+    solved = solve_cycles(design, {})
+    blows = solved_blows(design, solved)
+    (struck,) = blows[FORGING]
+    (plain,) = blows_of(design, solved[FORGING])
+    whole = with_blows(solved, blows)
+    gates = [*load_gates(design, whole), *blow_gates(blows)]
+    assert not [gate.name for gate in gates if not gate.holds]
+    assert whole[FORGING].times[-1] == solved[FORGING].times[-1]
+    if "yields" in answers:
+        assert struck.blow.energy == pytest.approx(plain.energy[0], rel=0.03)
+    else:
+        expected = plain.speed * np.sqrt(20e3 * plain.mass[0])
+        assert struck.blow.force.max() == pytest.approx(expected, rel=0.03)
+    for figure in ("work", "mean_power", "speed"):
+        with_it, without = (one[FORGING].drive("drive") for one in (whole, solved))
+        assert getattr(with_it, figure) == getattr(without, figure)
+    with_it, without = (motor_figures(design, one[FORGING]) for one in (whole, solved))
+    assert (with_it.effective, with_it.missing) == (without.effective, without.missing)
+    assert len(with_it.speed) == len(whole[FORGING].times)
 
 
 def test_an_elastic_workpiece_is_struck_as_by_the_ram_alone_and_the_anvil_yields(forging):

@@ -21,7 +21,7 @@ from checks.stress.solid_mesh_level import Models, solve_level
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.meshing import mesh_shape
 from geometry.parts import LeafPack
-from loads import run_at_positions
+from loads import at_rows, moments_of_blows, run_at_positions
 
 # a rocker that is pushed up at C, so that its other end presses the ram down; weightless
 ROCKER = """
@@ -223,6 +223,37 @@ def test_a_cycle_is_run_again_at_its_positions(tmp_path, models):
     twice = run_at_positions(known, stiffer, cycle)
     assert_allclose(twice.efforts["workpiece"], 2 * known.efforts["workpiece"], rtol=1e-9)
     assert (twice.positions == known.positions).all()
+
+
+def test_moments_of_a_blow_are_loads_that_are_given(tmp_path, models):
+    """No deflection imposes the force of a blow, nor does it tell how the linkage gives way."""
+    elastic = 'elastic = { bending = "340 N m2" }'
+    design, part, cycles, _ = rocker(tmp_path, models, TOUCHES, elastic)
+    known = cycles["press"]
+    rows = np.array([0, 1, 2, 3, 4, 4, 4, 4, 5, 6, 7, 8])
+    moments = np.isin(np.arange(12), [5, 6, 7])
+    times = known.times[rows] + 1e-3 * np.array([0, 0, 0, 0, 0, 0, 1, 2, 0, 0, 0, 0])
+    struck = replace(at_rows(known, rows), times=times)
+    efforts = {**struck.efforts, "workpiece": struck.efforts["workpiece"] * (1 + 50 * moments)}
+    struck = replace(struck, efforts=efforts)
+    assert (moments_of_blows(struck) == moments).all()
+    assert not moments_of_blows(known).any()
+    plain, whole = (
+        LoadedPart(design, part, loads_on(design, part, runs), runs)
+        for runs in ({"press": known}, {"press": struck})
+    )
+    pack = leaf_friction._Pack(whole)
+    in_blow = moments[pack.cycles["press"].at]
+    assert in_blow.any()
+    assert (pack.cycles["press"].force[in_blow] == 0.0).all()
+    assert np.isnan(pack.imposed("press").deflection[in_blow]).all()
+    (unit, share), (with_it, its) = (
+        leaf_friction._per_force(loaded, "press", "workpiece", at)
+        for loaded, at in ((plain, np.arange(5, 9)), (whole, np.arange(8, 12)))
+    )
+    assert_allclose(its, share, rtol=1e-9)
+    for name, wrench in unit.items():
+        assert_allclose(with_it[name], wrench, rtol=1e-9, atol=1e-9)
 
 
 def test_a_single_leaf_needs_no_band(tmp_path, models):
