@@ -76,7 +76,7 @@ class Estimates:
 
     def _compare(self, parts: Sequence[str]) -> Screened:
         """The formula's checks of some parts as they are, beside those of the result."""
-        base = self.screening.of({}, parts)
+        base = self.screening.of({}, parts, only_materials=True)
         self.screening.rubbing |= base.rubbing
         self._compared |= set(parts)
         for check in base.checks:

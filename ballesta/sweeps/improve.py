@@ -291,7 +291,7 @@ class _Search:
                 if new.yield_stress < sure and new.density > _SURE * old.density:
                     continue  # no lighter, so its stress is the same
                 name = new.name
-                one = self.known.screening.of({key: name}, own)
+                one = self.known.screening.of({key: name}, own, only_materials=True)
                 if not one.problem and self.known.reserve(one, own) >= 1:
                     one = self.known.settled(key, name, own, one)
                 if one.problem:

@@ -37,7 +37,9 @@ from checks.models.checked import BUCKLING
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from checks.result.verdict import Check, Gate, Status, deciding_of, status_of
+from checks.strength.part_strength import elastic_of
 from checks.stress.solid_mesh_level import Models
+from checks.stress.stress_result import RungModel
 from geometry.cad_body import SolidBody
 
 Variation = Mapping[str, Any] | Sequence[str]
@@ -123,6 +125,7 @@ class Screening:
         self._cycles: dict[str, loads.Cycle] = {}
         self._solved: dict[str, loads.CycleLoads] = {}
         self._part_loads: dict[str, PartLoads] = {}  # in the design as it is
+        self.stress: dict[str, RungModel] = {}  # of its parts by formula, before it is judged
         if solved is None:
             self.design, self._solved, _ = self.solve(design, masses)
         else:
@@ -169,6 +172,7 @@ class Screening:
         linkage: bool = False,
         reserves: Mapping[str, float] | None = None,
         anew: bool = False,
+        only_materials: bool = False,
     ) -> Screened:
         """Check one variation by formula; its `problem` says what is wrong with it.
 
@@ -178,13 +182,23 @@ class Screening:
         reserves  of parts in the design as it is: an unchanged part has no checks where its loads
                   grow by less than half of what its reserve is above 1
         anew      whether friction between leaves is solved, also where it is known of the design
+        only_materials  True if nothing else is varied: what only has other strengths keeps its
+                  stress, which is not computed again
         """
         overrides = overrides_of(variation)
         try:
             varied = read_design(self.design.file, (*self.design.overrides, *overrides))
             rubbing = {} if anew else self.rubbing
             return _checked(
-                self, varied, overrides, rubbing, parts, formulas, linkage, reserves or {}
+                self,
+                varied,
+                overrides,
+                rubbing,
+                parts,
+                formulas,
+                linkage,
+                reserves or {},
+                only_materials,
             )
         except (DesignError, NumericsError) as error:
             return Screened(overrides=overrides, problem=str(error))
@@ -201,6 +215,16 @@ class Screening:
     @cached_property
     def _whole(self) -> dict[str, loads.CycleLoads]:
         return _with_transients(self.design, self._solved)
+
+    def has_stress_of(self, part: Part, solved: Mapping[str, loads.CycleLoads]) -> bool:
+        """True for a part as in the design but for its strengths, under the same cycles."""
+        own = self.design.parts[part.name]
+        return (
+            elastic_of(part) == elastic_of(own)
+            and replace(part, material=own.material) == own
+            and not self.design.measured
+            and all(solved[name] is run for name, run in self._solved.items())
+        )
 
     def spares(self, part: Part, loads: PartLoads, reserve: float) -> bool:
         """True if a part is as in the design, and its loads leave the half of its reserve."""
@@ -230,6 +254,7 @@ def _checked(
     formulas: bool,
     linkage: bool,
     reserves: Mapping[str, float],
+    only_materials: bool,
 ) -> Screened:
     masses = part_masses(design, known.models)
     design, solved, afresh = known.solve(design, masses)
@@ -253,9 +278,14 @@ def _checked(
             if not known.between:
                 loaded = loaded.under(replace(loaded.loads, path=None))
             climb = start_climb(loaded, rubbing.get(part.name))
+            keeps = only_materials and known.has_stress_of(part, solved)
+            if keeps:
+                climb.model = known.stress.get(part.name)
             if not formulas:
                 climb.asked = tuple(kind for kind in climb.asked if kind != BUCKLING)
             why = _check_part(climb, body, checks, gates)
+            if keeps and climb.model is not None:
+                known.stress[part.name] = climb.model
             rubbed |= {} if climb.leaves is None else {part.name: climb.leaves}
             if formulas:
                 checks += formula_checks(loaded)

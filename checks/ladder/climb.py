@@ -15,7 +15,7 @@ from checks.result.verdict import Check, RungTried, Status
 from checks.strength.fatigue_assessment import FatigueUse
 from checks.strength.load_doubts import load_bars
 from checks.strength.part_strength import fatigue_use
-from checks.stress.stress_result import RungLevel
+from checks.stress.stress_result import RungLevel, RungModel
 from fem.solvers import SolverError
 from geometry.mesh import MeshError
 
@@ -35,6 +35,8 @@ class Climb:
     leaves     what friction between leaves widened its checks by
     tried      rungs in the order in which they were tried or passed over
     rubbing    the friction between leaves, if it is known beforehand
+    model      the formula's stress before it is judged: of geometry, elasticity and loads alone; it
+               may be known beforehand
     """
 
     loaded: LoadedPart
@@ -46,6 +48,7 @@ class Climb:
     tried: list[RungTried] = field(default_factory=list)
     unbuckled: bool = False
     rubbing: LeafBand | None = None
+    model: RungModel | None = None
 
     @property
     def part(self) -> Part:
@@ -72,7 +75,7 @@ class Climb:
         """Estimate some kinds of checks by formula; False where the part has none."""
         start, wanted = perf_counter(), self.asked if kinds is None else kinds
         try:
-            model = shapes.model_of(self.part, self.loads)
+            model = self.model = self.model or shapes.model_of(self.part, self.loads)
             load = None if model is None or BUCKLING not in wanted else model.buckling
         except (MeshError, SolverError) as error:
             self.skip(FORMULA, f"{GAVE_UP}: {error}")

@@ -21,7 +21,6 @@ from checks.result.live_fields import FATIGUE, LiveFields
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse
 from checks.stress.duty_verdict import duty_runs
 from fatigue import goodman
-from fem.stress_history import StressHistory
 from geometry.cad_body import Skin
 from geometry.mesh import FloatArray
 from geometry.parts import LeafPack, Pin
@@ -40,6 +39,7 @@ _SECTIONS = 49
 _ASIDE = 1e-7  # of the length, off a section, so that no node lies on it
 _THIN = 0.02  # of the largest area: a section at a round end, which nothing goes through
 _KEPT = 1e-3  # of the largest singular value of the section forces
+_TOGETHER = 1_000_000  # numbers of stress that are looked at together
 _JUDGED = 48  # positions of the duty that fatigue is estimated at, with all extremes of the forces
 
 
@@ -50,9 +50,7 @@ def section_fields(loaded: LoadedPart, skin: Skin, use: FatigueUse | None) -> Li
     """
     part, loads = loaded.part, loaded.loads
     basis, coefficients = _superposition(part, loads, skin)
-    stress = np.ascontiguousarray(np.moveaxis(basis, 0, 2))
-    points = np.arange(len(skin.nodes)), skin.nodes
-    peaks, _ = StressHistory(*points, stress, coefficients).peaks_by_position()
+    peaks = _peaks(basis, coefficients)
     fields = LiveFields(
         nodes=skin.nodes,
         triangles=skin.triangles,
@@ -65,7 +63,7 @@ def section_fields(loaded: LoadedPart, skin: Skin, use: FatigueUse | None) -> Li
         missing={"displacement": _UNMOVED},
         notes=(NOTE,),
     )
-    return _with_fatigue(fields, stress, loaded.duty, coefficients, loads, use)
+    return _with_fatigue(fields, loaded.duty, coefficients, loads, use)
 
 
 def _superposition(part: Part, loads: PartLoads, skin: Skin) -> tuple[FloatArray, FloatArray]:
@@ -198,18 +196,39 @@ def sections_of(skin: Skin, places: FloatArray) -> FloatArray:
     return found
 
 
+def _peaks(basis: FloatArray, coefficients: FloatArray) -> FloatArray:
+    """Largest von Mises stress (n,) of fields (r, points, 6) at each position, MPa.
+
+    One normal stress and shear beside it: sigma^2 + 3 tau^2, of the components that are not nothing
+    and of each set of equal points once.
+    """
+    acting = np.flatnonzero(basis.any(axis=(0, 1)))
+    parts = np.unique(basis[:, :, acting].swapaxes(0, 1).reshape(basis.shape[1], -1), axis=0)
+    parts = parts.reshape(len(parts), len(basis), -1)
+    if len(basis) == 1:  # one field, larger or smaller: the same point is worst everywhere
+        size = (parts[:, 0] ** 2) @ np.where(acting < 3, 1.0, 3.0)
+        return np.asarray(np.sqrt(size.max(initial=0.0)) * np.abs(coefficients[0]))
+    count, step = coefficients.shape[1], max(1, _TOGETHER // len(parts))
+    found = np.zeros(count)
+    for k in range(0, count, step):
+        some = coefficients[:, k : k + step]
+        square = np.zeros((len(parts), some.shape[1]))
+        for column, component in enumerate(acting):
+            stress = parts[:, :, column] @ some
+            stress *= stress
+            square += stress if component < 3 else 3 * stress
+        found[k : k + step] = np.sqrt(square.max(axis=0))
+    return found
+
+
 def _with_fatigue(
     fields: LiveFields,
-    stress: FloatArray,
     duty: Duty,
     coefficients: FloatArray,
     loads: PartLoads,
     use: FatigueUse | None,
 ) -> LiveFields:
-    """The fields with Goodman's use of the estimated stress over the duty, without a notch.
-
-    stress  (points, 6, r) of the fields
-    """
+    """The fields with Goodman's use of the estimated stress over the duty, without a notch."""
     runs = duty_runs(loads.cycles, duty.cycles)
     if use is None or not runs or isinstance(use, FkmUse):
         why = _UNJUDGED if use is None else _BY_FKM
@@ -219,7 +238,8 @@ def _with_fatigue(
     between = min(_JUDGED, path.shape[1]) if len(path) > 1 else 0
     even = np.linspace(0, path.shape[1] - 1, between).astype(int)
     kept = np.unique(np.r_[even, path.argmax(axis=1), path.argmin(axis=1)])
-    found = goodman(stress, np.ascontiguousarray(path[:, kept]), use.limit, use.ultimate)
+    basis = np.ascontiguousarray(np.moveaxis(fields.stress, 0, 2), dtype=np.float64)
+    found = goodman(basis, np.ascontiguousarray(path[:, kept]), use.limit, use.ultimate)
     endless = isinstance(use, LifeUse)
     return replace(
         fields,

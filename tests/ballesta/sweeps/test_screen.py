@@ -10,6 +10,7 @@ from ballesta.pipeline import check_design
 from ballesta.sweeps.screen import Screening
 from bench.screening import screen
 from checks.ladder.part_ladder import Effort
+from checks.models import shapes
 from checks.result.verdict import Status
 
 from ...checks.ladder.test_leaf_checks import ROCKER, TOUCHES
@@ -90,6 +91,29 @@ def test_loads_that_peak_between_the_ends_of_phases_differ_by_their_positions_on
     assert found.keys() == expected.keys()
     for name, values in expected.items():
         assert found[name][0] == pytest.approx(values[0], rel=1.4e-3), name
+
+
+def test_a_stronger_steel_keeps_the_stress_and_a_softer_metal_has_its_own(monkeypatch, press):
+    """The same numbers as if all were computed; what is lighter has other loads, too."""
+    parts = ("bar_upper",)
+    steel, other = ({"parts.bar_upper.material": name} for name in ("S420N", "6082-T6"))
+    asked = []
+    model_of = shapes.model_of
+
+    def counted(part, loads):
+        asked.append(part.material.name)
+        return model_of(part, loads)
+
+    monkeypatch.setattr(shapes, "model_of", counted)
+    kept, anew = Screening(press, between=False), Screening(press, between=False)
+    kept.of({}, parts, only_materials=True)
+    for variation, computed in ((steel, 0), (other, 1)):
+        expected = anew.of(variation, parts)
+        asked.clear()
+        found = kept.of(variation, parts, only_materials=True)
+        assert not expected.problem
+        assert numbers(found.checks) == numbers(expected.checks)
+        assert len(set(asked)) == computed
 
 
 def test_what_is_wrong_with_a_variation_is_told_and_stops_no_other(press):

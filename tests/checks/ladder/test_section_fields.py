@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from ballesta.design.read import read_design
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
-from checks.ladder.section_fields import _superposition, sections_of
+from checks.ladder.section_fields import _peaks, _superposition, sections_of
 from checks.part.part_loads import PartLoads
 from geometry.cad_body import Skin, cad_skin
 from geometry.parts import PlateLink
@@ -84,3 +84,14 @@ def test_a_pin_is_pulled_on_the_side_that_its_middle_is_pushed_to():
     radius = (middle.diameter or part.geometry.diameter) / 2
     expected = moment * x / (np.pi / 4 * radius**4)
     assert_allclose(found[at, 2], expected, atol=0.02 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_peaks_are_the_largest_von_mises_stress_of_the_fields_at_each_position(count):
+    """sqrt(xx^2 + 3 xy^2 + 3 zx^2), of one field as of more."""
+    random = np.random.default_rng(count)
+    basis, coefficients = np.zeros((count, 40, 6)), random.normal(size=(count, 9))
+    basis[:, :, [0, 3, 5]] = random.normal(size=(count, 40, 3))
+    xx, xy, zx = (np.einsum("rn,rk->nk", basis[:, :, k], coefficients) for k in (0, 3, 5))
+    expected = np.sqrt(xx**2 + 3 * (xy**2 + zx**2)).max(axis=0)
+    assert_allclose(_peaks(basis, coefficients), expected, rtol=1e-12)
