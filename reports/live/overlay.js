@@ -55,6 +55,15 @@ class Overlay {
     c.fillText(words, x, y);
   }
 
+  outline(path, thick) {
+    const c = this.context;
+    c.globalAlpha = 0.6;
+    c.strokeStyle = this.colours.soft;
+    c.lineWidth = thick;
+    c.stroke(path);
+    c.globalAlpha = 1;
+  }
+
   // scale: {title, from, to, table, bands}; marks: [{value, label}] lines across the bar.
   colourBar(scale, marks) {
     const c = this.context, narrow = this.width < 480;

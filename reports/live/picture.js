@@ -148,6 +148,7 @@ const pictureOf = (view) => {
 
   const annotate = () => {
     const { drawn, range, shown, worst, held, pointer, section } = view;
+    if (view.isLinkage() && drawn.length) surroundings();
     if (shown.forces && drawn.length) forces();
     if (range) overlay.colourBar(range, limits());
     if (drawn.length) overlay.axes(camera);
@@ -188,6 +189,29 @@ const pictureOf = (view) => {
     if (view.field in SHARES) return [{ value: 1, label: "limit" }];
     return view.field === "mises"
       ? [...least("allowed", "allowed"), ...least("yield", "yield")] : [];
+  };
+
+  // Ground, guides, what slides in them and cylinders of the mechanism's picture, which has the
+  // machine's mm with y down, as the camera sees the plane z = 0.
+  const surroundings = () => {
+    const svg = document.querySelector("#mechanism svg"), back = svg?.getScreenCTM()?.inverse();
+    if (!back || svg.classList.contains("still")) return;
+    const rows = camera.pixels();
+    const [o, x, y] = [[0, 0], [1, 0], [0, -1]].map(([a, b]) => placed(rows, a, b, 0));
+    const seen = new DOMMatrix([x[0] - o[0], x[1] - o[1], y[0] - o[0], y[1] - o[1], o[0], o[1]]);
+    const thin = new Path2D(), thick = new Path2D();
+    for (const each of svg.querySelectorAll(".pivot, .hatch, .rail, .block, .rod, .barrel")) {
+      const own = new Path2D(each.getAttribute("d") ?? "");
+      const of = (name) => Number(each.getAttribute(name));
+      if (each.tagName === "line") {
+        own.moveTo(of("x1"), of("y1"));
+        own.lineTo(of("x2"), of("y2"));
+      } else if (each.tagName === "rect") own.rect(of("x"), of("y"), of("width"), of("height"));
+      const at = seen.multiply(back.multiply(each.getScreenCTM()));
+      (each.classList.contains("barrel") ? thick : thin).addPath(own, at);
+    }
+    overlay.outline(thin, 1.5);
+    overlay.outline(thick, 7);
   };
 
   // Forces on the parts at their pins: all in the linkage, those on the part in its own frame.

@@ -174,6 +174,32 @@ def test_the_mechanism_stands_beside_the_readings_and_on_a_phone_below_them(tmp_
     assert order == ["picture", "slider", "readings", "mechanism"]
 
 
+def test_the_whole_linkage_shows_the_mechanisms_cylinders_where_they_are(tmp_path, viewed):
+    """A line of the mechanism's picture, y down, 7 mm below the machine's x axis."""
+    line = '<line class="rod" x1="-1000" y1="7" x2="1000" y2="7"/>'
+    svg = f'<svg class="mechanism" viewBox="-50 -50 100 100">{line}</svg>'
+    figure = Markup(f'<figure id="mechanism">{svg}</figure>')
+    page = viewed(written_as(tmp_path, sections.design(), mechanism=figure)).page
+    page.locator("#live-tab-linkage").click()
+    settle(page)
+    rows = np.reshape(page.evaluate("[...ballesta.live.camera.pixels()]"), (3, 4))
+    x = np.linspace(-1000.0, 1000.0, 401)
+    spots = (rows @ np.stack([x, 0 * x - 7, 0 * x, 0 * x + 1]))[:2].T.tolist()
+    covered = """(spots) => {
+      ballesta.live.draw();
+      const canvas = document.querySelector("[data-role=canvas]");
+      const context = canvas.getContext("2d"), ratio = canvas.width / canvas.clientWidth;
+      return spots.filter(([x, y]) => x > 0 && y > 0 && x < canvas.clientWidth &&
+        y < canvas.clientHeight)
+        .map(([x, y]) => context.getImageData(ratio * x, ratio * y, 1, 1).data[3] > 60);
+    }"""
+    there = page.evaluate(covered, spots)
+    assert len(there) > 5
+    assert all(there)
+    page.evaluate("document.querySelector('#mechanism svg').classList.add('still')")  # no motion
+    assert sum(page.evaluate(covered, spots)) < 0.5 * len(there)
+
+
 def test_the_slider_stays_in_sight_while_the_tables_are_read(viewed):
     for width in (900, 1280):
         page = viewed(width=width, height=700).page
