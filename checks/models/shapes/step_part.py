@@ -155,7 +155,7 @@ def _weakest(bar: Stretches, between: Sequence[Slice]) -> Stretches:
     area, moment = (
         ones * min(getattr(one, name) for one in between) for name in ("weak_area", "weak_moment")
     )
-    torsion = ones * min(_TWISTED * one.weak_area * min(one.wall, one.fin) ** 2 for one in between)
+    torsion = ones * min(_TWISTED * one.weak_area * min(one.walls) ** 2 for one in between)
     sheared = _SHEARED * area / 2.6
     return replace(
         bar, inertia_z=moment, inertia_y=moment, torsion=torsion, racking=sheared, sliding=sheared
@@ -168,7 +168,8 @@ def _as_plate(one: Slice) -> float:
     Both edges held along, or one free: k = 4 or 0.425 in k pi^2 E/(12 (1 - nu^2)) (t/b)^2
     (docs/theory/buckling.md).
     """
-    return max(_HELD * (one.breadth / one.wall) ** 2, _FREE * (one.breadth / one.fin) ** 2)
+    wall, fin = one.walls
+    return max(_HELD * (one.breadth / wall) ** 2, _FREE * (one.breadth / fin) ** 2)
 
 
 def _on_line(loads: PartLoads, centres: Mapping[str, FloatArray]) -> PartLoads:
