@@ -6,6 +6,7 @@ to one body of the section, and its holes, needs them as closed lines.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -16,6 +17,8 @@ from geometry.mesh import FloatArray, IntArray, MeshError
 
 _AROUND = np.arange(16) * (np.pi / 8)  # directions in which a section's outermost points are asked
 _TOUCHING = 1e-6  # of the breadth: a ray begins on its own segment
+_PARALLEL = 1e-12  # sine of an angle
+_AT_ONCE = 256  # rays
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,9 +32,8 @@ class Slice:
     outline     (16, 2) its outermost points
     weak_area   mm2, of the body of the section with the least second moment, if it has several
     weak_moment  mm4, that one's least second moment about an axis through its own centroid
-    wall        mm, least thickness from a line of the outline to another: both edges are held
-    fin         mm, least thickness from a line of the outline to itself: an edge may be free
-    breadth     mm, largest size of one body of the section; of `wall` and `fin` if there is none
+    breadth     mm, largest size of one body of the section
+    segments    starts and ends (k, 2) of the outline's segments, and the closed line (k,) of each
     """
 
     place: float
@@ -41,9 +43,16 @@ class Slice:
     outline: FloatArray
     weak_area: float
     weak_moment: float
-    wall: float
-    fin: float
     breadth: float
+    segments: tuple[FloatArray, FloatArray, IntArray]
+
+    @cached_property
+    def walls(self) -> tuple[float, float]:
+        """Least thickness, mm: from a line of the outline to another, and to itself.
+
+        Of the first both edges are held, of the second one may be free; `breadth` without any.
+        """
+        return _walls(*self.segments, self.breadth)
 
 
 def sliced(skin: Skin, places: FloatArray) -> list[Slice]:
@@ -85,8 +94,8 @@ def _slice(nodes: FloatArray, triangles: IntArray, place: float) -> Slice:
         start[(start @ normals).argmax(axis=0)],
         weak_area,
         weak_moment,
-        *_walls(start, stop, line, breadth),
         breadth,
+        (start, stop, line),
     )
 
 
@@ -157,6 +166,10 @@ def _bodies(p: FloatArray, q: FloatArray, line: IntArray, areas: FloatArray) -> 
     return np.unique(body, return_inverse=True)[1].reshape(-1)
 
 
+def _cross(one: FloatArray, other: FloatArray) -> FloatArray:
+    return np.asarray(one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0])
+
+
 def _walls(p: FloatArray, q: FloatArray, line: IntArray, breadth: float) -> tuple[float, float]:
     """Least way from the middle of a segment, square to it, to where the material ends.
 
@@ -167,15 +180,17 @@ def _walls(p: FloatArray, q: FloatArray, line: IntArray, breadth: float) -> tupl
     kept = size > _TOUCHING * breadth
     p, along, size, line = p[kept], along[kept], size[kept], line[kept]
     middle, inward = p + along / 2, np.stack([-along[:, 1], along[:, 0]], axis=1) / size[:, None]
-    # middle_i + s inward_i = p_j + t along_j
-    apart = p[None] - middle[:, None]
-    crossed = inward[:, None, 0] * along[None, :, 1] - inward[:, None, 1] * along[None, :, 0]
-    safe = np.where(np.abs(crossed) > 1e-12 * size, crossed, np.inf)
-    s = (apart[..., 0] * along[None, :, 1] - apart[..., 1] * along[None, :, 0]) / safe
-    t = (apart[..., 0] * inward[:, None, 1] - apart[..., 1] * inward[:, None, 0]) / safe
-    met = (t >= 0) & (t <= 1) & (s > _TOUCHING * breadth) & (safe < np.inf)
-    s = np.where(met, s, breadth)
-    nearest, ends = s.min(axis=1), line[s.argmin(axis=1)]
+    nearest, ends = np.empty(len(p)), np.empty(len(p), dtype=np.int64)
+    for some in np.array_split(np.arange(len(p)), -(-len(p) // _AT_ONCE)):
+        ray = inward[some, None]
+        # middle_i + s inward_i = p_j + t along_j
+        apart = p - middle[some, None]
+        crossed = _cross(ray, along)
+        safe = np.where(np.abs(crossed) > _PARALLEL * size, crossed, np.inf)
+        s, t = _cross(apart, along) / safe, _cross(apart, ray) / safe
+        met = (t >= 0) & (t <= 1) & (s > _TOUCHING * breadth) & (safe < np.inf)
+        s = np.where(met, s, breadth)
+        nearest[some], ends[some] = s.min(axis=1), line[s.argmin(axis=1)]
     wall, fin = (
         float(nearest.min(where=where, initial=breadth)) for where in (ends != line, ends == line)
     )
