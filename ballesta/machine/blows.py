@@ -21,7 +21,7 @@ from geometry.parts import LeafPack
 from reports.loads_figures import BlowForceSummary, BlowSummary, JointBlow
 
 Blows = Mapping[str, Sequence[loads.BlowLoads]]
-_AFTER = "swing after a blow beyond its first half period, stress waves in it"
+_AFTER = "swing after a blow, stress waves in it"
 _LEAVES = "leaves that part in it"
 _MISSING = 1e-6
 _TURNED = 0.1  # of the speed: the pose counts as one through a blow

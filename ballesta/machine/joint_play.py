@@ -42,7 +42,7 @@ def play_pairs(design: Design, solved: Solved) -> tuple[list[LoadPair], list[tup
     Of several bores of a joint with fits the largest plays add up.
     """
     pairs, silent = [], list[tuple[float, str, str]]()
-    for joint in (one for joints in design.joints.values() for one in joints):
+    for joint in (one for joints in design.joints.values() for one in joints if solved):
         stated = _seat(design, joint, stated=True)
         seat = stated or _seat(design, joint, stated=False)
         if seat is None:

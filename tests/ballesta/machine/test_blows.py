@@ -229,10 +229,8 @@ def test_the_hammer_forges_with_the_energy_of_its_ram(forging):
     assert max(whole.equilibrium_residual.values()) < 1e-9
     assert whole.power_balance_error < 1e-9
     assert all(gate.holds for gate in blow_gates(blows))
-    assert blow_subject(design, solved) == (
-        "swing after a blow beyond its first half period, stress waves in it, "
-        "leaves that part in it"
-    )
+    subject = "swing after a blow, stress waves in it, leaves that part in it"
+    assert blow_subject(design, solved) == subject
 
 
 @pytest.mark.parametrize("answers", ['{ stiffness = "20 kN/mm" }', '{ yields = "30 kN" }'])

@@ -64,3 +64,8 @@ def reversed_at(bore, play, *more):
 @pytest.mark.parametrize("file", ["toggle_press.toml", "slider_crank.toml"])
 def test_a_machine_whose_forces_do_not_reverse_has_no_doubt(file):
     assert play_pairs(*solved(file)) == ([], [])
+
+
+def test_a_machine_of_measured_loads_alone_has_no_cycle_to_hit_in():
+    design = read_design(DESIGNS / "gallery" / "crank_rocker.toml")
+    assert play_pairs(design, {}) == ([], [])
