@@ -45,6 +45,7 @@ from checks.strength.fatigue_assessment import FatigueUse
 from checks.strength.part_strength import endurance_of
 from checks.strength.sampling import buckling_rise, fatigue_rise, static_rise, with_sampling
 from checks.stress.duty_verdict import duty_runs, most_used
+from checks.stress.pressed_along import raised_words, uneven_bores
 from checks.stress.stress_result import ElasticLoad, RungLevel, RungModel, judge
 from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray, IntArray
@@ -70,7 +71,6 @@ BY_STRESS = 12.0
 STOUT = 2.5
 ONLY_PULLED = "the part is only pulled, which buckles no column"
 NOTHING = "nothing loads the part at any position: no model would find a stress"
-WORDS = f"model band: {100 * BEYOND_ARCS:g} % more in bores, whose arc is not stated"
 _PRESSURE = " cos 0"  # the unit load that only an interface with a bearing pressure has
 _ACROSS = ("M_x", "M_y", "torque")  # in names of unit loads: couples out of the linkage's plane
 _NEAR = 0.8  # of the largest fatigue use in bores: points that are asked again
@@ -203,6 +203,7 @@ def rung_estimates(
     """
     loads = loaded.loads
     found: dict[str, Estimate] = {}
+    uneven = uneven_bores(loaded)
     if STATIC in kinds:
         found[STATIC] = _stress_estimate(
             loaded,
@@ -211,7 +212,8 @@ def rung_estimates(
             level.peak.value,
             level.peak.point,
             static_rise(level, loads),
-            raised_in_bores(loaded.part, loads, level),
+            raised_in_bores(loaded, loads, level, None, uneven),
+            uneven,
         )
     if FATIGUE in kinds and use is not None:
         words = fatigue_words(loaded, level, use)
@@ -222,7 +224,8 @@ def rung_estimates(
             use.value(level),
             use.point(level),
             fatigue_rise(level, loads, use),
-            raised_in_bores(loaded.part, loads, level, use),
+            raised_in_bores(loaded, loads, level, use, uneven),
+            uneven,
         )
     load = level.model.buckling if BUCKLING in kinds else None
     if load is not None and load.share > 0.0:
@@ -238,6 +241,7 @@ def _stress_estimate(
     point: int,
     rise: float,
     in_bores: float,
+    uneven: Mapping[str, tuple[float, str]],
 ) -> Estimate:
     check = Check(
         part=loaded.part.name,
@@ -258,7 +262,7 @@ def _stress_estimate(
     )
     if loaded.loads.is_nothing:
         return Estimate(_told(check, 0.0, 0.0, NOTHING))
-    return _with_band(loaded, level.model, with_sampling(check, rise), in_bores)
+    return _with_band(loaded, level.model, with_sampling(check, rise), in_bores, uneven)
 
 
 def _buckling_estimate(loaded: LoadedPart, model: RungModel, rise: float) -> Estimate:
@@ -289,11 +293,17 @@ def _buckling_estimate(loaded: LoadedPart, model: RungModel, rise: float) -> Est
 
 
 def _with_band(
-    loaded: LoadedPart, model: RungModel, check: Check, in_bores: float = 0.0
+    loaded: LoadedPart,
+    model: RungModel,
+    check: Check,
+    in_bores: float = 0.0,
+    uneven: Mapping[str, tuple[float, str]] | None = None,
 ) -> Estimate:
     """The check with the band of solids around the rung's value.
 
-    in_bores  MPa, the largest in bores whose arc is not stated, raised; 0 without such
+    in_bores  MPa, the largest in bores whose arc is not stated, or whose pin bends, raised; 0
+              without such
+    uneven    bore -> how much more its bent pin presses at the most, and where
     """
     band, value = band_around(loaded.part, loaded.loads, model, check), check.value
     raised = in_bores if in_bores > value else 0.0
@@ -307,7 +317,7 @@ def _with_band(
     shared, said = band.above[0] * value, _of_solids(band, model)
     if raised:
         shared = raised * (1 + band.above[0]) - value
-        said = f"{said}; {WORDS}"
+        said = f"{said}; model band: {raised_words(loaded.part, uneven or {})}"
     return Estimate(
         _told(check, above, below, said), above - shared, below - band.shared_below * value
     )
@@ -412,37 +422,51 @@ def _of_solids(band: Band, model: RungModel) -> str:
     )
 
 
-# Bores whose arc of contact is not stated: how far a rung's stress there may be exceeded.
+# Bores whose arc of contact is not stated, or whose pin bends: how far a rung's stress there may be
+# exceeded.
 #
 # Contacts exceed the assumed arcs by a share that solids have in their model band. The bands of
-# the rungs were compared with solids on the arcs alone, so they do not have it.
+# the rungs were compared with solids on the arcs alone, evenly pressed along: they have neither.
 
 
 def raised_in_bores(
-    part: Part, loads: PartLoads, level: RungLevel, use: FatigueUse | None = None
+    loaded: LoadedPart,
+    loads: PartLoads,
+    level: RungLevel,
+    use: FatigueUse | None,
+    uneven: Mapping[str, tuple[float, str]],
 ) -> float:
     """Return the largest stress in such bores with more of the forces in the plane, MPa.
 
     0 without such a bore. As in a solid (checks/stress/error_bars.py), the stress of couples out of
     the plane stays.
 
-    use  how fatigue is judged; None for von Mises stress
+    use     how fatigue is judged; None for von Mises stress
+    uneven  bore -> how much more its bent pin presses at the most, and where
     """
-    model, history = level.model, level.history
-    if part.arc_stated or part.body is None or loads.is_nothing:
+    part, model, history = loaded.part, level.model, level.history
+    if part.body is None or loads.is_nothing or (part.arc_stated and not uneven):
         return 0.0
     units = [name for name, _ in model.units]
     bores = {name.removesuffix(_PRESSURE) for name in units if name.endswith(_PRESSURE)}
-    points = np.flatnonzero([place in bores for place in model.places])
-    if not len(points):
-        return 0.0
     across = np.array([any(word in name for word in _ACROSS) for name in units])
-    raised = np.where(across, 1.0, 1.0 + BEYOND_ARCS)[:, None] * history.coefficients
-    if use is None:
-        own = history.nodes[points], history.points[points], history.basis[points]
-        return float(StressHistory(*own, raised).peaks_by_position()[0].max())
-    used = level.judged_duty.bound[points]
-    return use.over(level, points[used >= _NEAR * used.max()], raised, loads.cycles)
+    more = 1.0 if part.arc_stated else 1.0 + BEYOND_ARCS
+    found = [0.0]
+    for bore in sorted(bores):
+        points = np.flatnonzero([place == bore for place in model.places])
+        if not len(points):
+            continue
+        pressed = np.array([name.startswith(f"{bore} ") for name in units])
+        times = np.where(pressed, uneven.get(bore, (1.0, ""))[0], 1.0) * more
+        raised = np.where(across, 1.0, times)[:, None] * history.coefficients
+        if use is None:
+            own = history.nodes[points], history.points[points], history.basis[points]
+            found.append(float(StressHistory(*own, raised).peaks_by_position()[0].max()))
+        else:
+            used = level.judged_duty.bound[points]
+            near = points[used >= _NEAR * used.max()]
+            found.append(use.over(level, near, raised, loads.cycles))
+    return max(found)
 
 
 def with_peaks(model: RungModel, judged: Values) -> RungModel:

@@ -13,7 +13,7 @@ from checks.part.part_loads import PartLoads
 from checks.strength.finite_life import DutyLife, LifeTask, lives_of, shortest_life
 from checks.strength.fkm_strength import FkmJudgement, fkm_judgement, fkm_points, slopes_of
 from checks.stress.duty_verdict import WHOLE_DUTY, DutyVerdict, FatiguePeak, duty_runs, duty_verdict
-from checks.stress.judged import Judged, Under, direct_under, raised_in_bores
+from checks.stress.judged import Judged, RaisedInBores, Under, direct_under
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import Stressed
 from fatigue.proportionality import PROPORTIONAL
@@ -81,7 +81,7 @@ class FatigueUse(Judged):
     ) -> list[float]:
         """The quantity between the same two positions under other pressures."""
         under = under or direct_under
-        limits = level.limits[level.in_bores] if under is raised_in_bores else level.limits
+        limits = level.limits[level.in_bores] if isinstance(under, RaisedInBores) else level.limits
         pair = [under(self.loads, level, k, numbers) for k in self.worst(level).pair]
         stress, share = np.stack(pair, axis=2), self._over_pair(level)
         return [share * self._of_pair(stress[..., k], limits) for k in range(len(numbers))]

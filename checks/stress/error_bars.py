@@ -15,7 +15,6 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from checks.design.data import Part
-from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.stress.beyond_even import BeyondEven, beyond_even
 from checks.stress.clearances import (
     POSITIONS,
@@ -24,8 +23,9 @@ from checks.stress.clearances import (
     some_positions,
     that_swing,
 )
-from checks.stress.judged import Judged, StaticPeak, raised_in_bores
+from checks.stress.judged import Judged, RaisedInBores, StaticPeak
 from checks.stress.pins_in_bores import CLEARANCE_WORDS, MIDDLE
+from checks.stress.pressed_along import raised_words
 from checks.stress.solid_mesh_level import Level
 from fem.contact.bore import BoreHarmonics
 from fem.contact.cycle import BorePressure
@@ -68,8 +68,18 @@ class Bars:
     along: BeyondEven | None = None
 
 
-def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float) -> Bars:
-    """Numerical bar, model band and a note for a quantity known on several meshes."""
+def bars_of(
+    judged: Judged,
+    part: Part,
+    levels: Sequence[Level],
+    accuracy: float,
+    uneven: Mapping[str, tuple[float, str]] | None = None,
+) -> Bars:
+    """Numerical bar, model band and a note for a quantity known on several meshes.
+
+    uneven  bore -> how much more its bent pin presses at the most, and where; it counts in bores
+            whose contact is not solved
+    """
     finest = levels[-1]
     value = judged.value(finest)
     arcs = arcs_of(part, finest)
@@ -124,8 +134,8 @@ def bars_of(judged: Judged, part: Part, levels: Sequence[Level], accuracy: float
         notes.append(f"by arc of contact, MPa: {by}")
     in_bores = 0.0
     if by_arc and len(finest.in_bores) and not part.arc_stated:
-        in_bores = max(judged.direct(finest, arcs, raised_in_bores))
-        notes.append(f"model band: {100 * BEYOND_ARCS:g} % more in bores, whose arc is not stated")
+        in_bores = max(judged.direct(finest, arcs, RaisedInBores(uneven or {})))
+        notes.append(f"model band: {raised_words(part, uneven or {})}")
     reached = [*by_arc.values(), in_bores]
     above = max(reached) - by_arc[pi] if by_arc else 0.0
     below = max((by_arc[pi] - other for other in by_arc.values()), default=0.0)

@@ -160,15 +160,35 @@ def direct_under(
     return np.stack([known[arc] for arc in arcs], axis=-1)
 
 
-def raised_in_bores(
-    loads: PartLoads, level: Level, position: int, arcs: Sequence[float]
-) -> FloatArray:
-    """Stress (n, 6, n_arcs) in the bores, as `direct_under`, with more of the forces' share, MPa.
+@dataclass(frozen=True, eq=False)
+class RaisedInBores:
+    """Stress in the bores with more of the forces' share than on the assumed arcs.
 
     Lugs were compared under forces in their plane: the stress of couples out of it stays.
+
+    uneven  bore -> how much more its bent pin presses at the most, and where
     """
-    points, solutions = level.in_bores, level.solutions
-    tilting = tilting_columns(solutions)
-    couples = level.history.basis[points][:, :, tilting] @ level.coefficients[tilting, position]
-    stress = direct_under(loads, level, position, arcs)[points]
-    return np.asarray((1 + BEYOND_ARCS) * stress - BEYOND_ARCS * couples[:, :, None])
+
+    uneven: Mapping[str, tuple[float, str]]
+
+    def __call__(
+        self, loads: PartLoads, level: Level, position: int, arcs: Sequence[float]
+    ) -> FloatArray:
+        """Stress (n, 6, n_arcs) in the bores, as `direct_under`, MPa."""
+        points, solutions = level.in_bores, level.solutions
+        tilting = tilting_columns(solutions)
+        couples = level.history.basis[points][:, :, tilting] @ level.coefficients[tilting, position]
+        stress = direct_under(loads, level, position, arcs)[points]
+        times = (1 + BEYOND_ARCS) * self._bent(level)[:, None, None]
+        return np.asarray(times * stress - (times - 1) * couples[:, :, None])
+
+    def _bent(self, level: Level) -> FloatArray:
+        """Times (n,) the even pressure at the points in the bores."""
+        mesh, nodes = level.solutions.mesh, level.history.nodes[level.in_bores]
+        found = np.ones(len(nodes))
+        for unit in level.solutions.interfaces:
+            most, _ = self.uneven.get(unit.interface.name, (1.0, ""))
+            for name in unit.interface.surfaces:
+                of_bore = np.isin(nodes, mesh.surfaces[name])
+                found[of_bore] = np.maximum(found[of_bore], most)
+        return found

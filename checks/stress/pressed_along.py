@@ -6,12 +6,14 @@ fit and other lugs free to tilt, which bend it most; the part's own cheeks tilt 
 The judged stress under that pressure is the model band's. Pins with lugs on one side are left out.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from checks.design.data import Design, Part
+from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from fem.contact.beds import Lug, RoundBar
@@ -172,6 +174,42 @@ def stack_in(loaded: LoadedPart, interface: str, clearance: float = 0.0) -> Stac
             found = Stack(loaded, pin, part.body, clearance)
             return found if found.fits_positions else None
     return None
+
+
+def uneven_bores(loaded: LoadedPart) -> Mapping[str, tuple[float, str]]:
+    """By bore, how much more a bent pin presses at the most than on average, and at which edge.
+
+    Of bores whose pin's stack is known, where the force is largest, without clearance and with lugs
+    of the part that do not tilt: no less than solved contact has. Bores that are pressed evenly are
+    left out, and so are those of parts whose `bearing_arc` states how the pin presses.
+    """
+    part = loaded.part
+    if part.arc_stated and not part.clearances:
+        return {}
+    found = {}
+    for name, wrenches in loaded.loads.wrenches.items():
+        stack = stack_in(loaded, name, part.clearances.get(name, (0.0,))[0])
+        if stack is None:
+            continue
+        forces = np.hypot(wrenches[:, 0], wrenches[:, 1])
+        shares = stack.shares(int(forces.argmax()), 0.0) if forces.any() else None
+        most, edge = most_pressed(shares) if shares is not None else (1.0, "")
+        if most > 1 + _ALIKE:
+            found[name] = most, edge
+    return found
+
+
+def raised_words(part: Part, uneven: Mapping[str, tuple[float, str]]) -> str:
+    """How much more bores may have than under even pressure on the assumed arcs, for a note."""
+    told = (
+        []
+        if part.arc_stated
+        else [f"{100 * BEYOND_ARCS:g} % more in bores, whose arc is not stated"]
+    )
+    told += [
+        f"{m:.3g} times as much at the {e} of {n}, as the pin bends" for n, (m, e) in uneven.items()
+    ]
+    return ", ".join(told)
 
 
 def most_pressed(shares: FloatArray) -> tuple[float, str]:

@@ -12,6 +12,8 @@ from checks.design.errors import DesignError
 from checks.ladder.chart_data import pins_data
 from checks.ladder.levels import first_level
 from checks.ladder.part_facts import assumed_of
+from checks.models import shapes
+from checks.models.checked import raised_in_bores, rung_estimates, rung_level
 from checks.part.loaded_part import LoadedPart
 from checks.strength.part_strength import fatigue_use
 from checks.stress import pressed_along
@@ -20,7 +22,7 @@ from checks.stress.error_bars import bars_of
 from checks.stress.judged import StaticPeak
 from checks.stress.kept_models import Models
 from checks.stress.pins_in_bores import fits_of
-from checks.stress.pressed_along import stack_in
+from checks.stress.pressed_along import stack_in, uneven_bores
 from fem.contact.beds import Lug, RoundBar
 from fem.contact.bore import bore_harmonics
 from fem.contact.line_load import line_load
@@ -47,9 +49,9 @@ stack = [
 """
 
 
-def rod(folder, at=12.0, bush="", stack=STACK):
+def rod(folder, at=12.0, bush="", stack=STACK, fits=FITS):
     """The rod of the small machine between the cheeks of a crank; its level on a first mesh."""
-    text = PLATE + FITS + stack.replace("AT", f"{at:g}").replace("BUSH", bush)
+    text = PLATE + fits + stack.replace("AT", f"{at:g}").replace("BUSH", bush)
     design = machine(folder, text)
     design, runs = solved_runs(design, Models(), lambda _: None)
     return LoadedPart.of(design, design.parts["rod"], runs)
@@ -81,6 +83,31 @@ def test_a_bent_pin_presses_the_edges_of_an_eye_more_which_the_band_holds(bent):
     said = " ".join(assumed_of(loaded, level))
     assert "the pin bends, which presses up to" in said
     assert "which the band holds as well" in said
+
+
+def test_models_without_contact_have_what_bent_pins_press_in_their_band_as_well(bent, tmp_path):
+    """Without a fit a formula and a solid on arcs have as much more in the bore, for its check."""
+    fitted, solved = bent
+    bound, edge = uneven_bores(fitted)["first"]
+    assert edge == "edges"
+    contact = max(beyond_even(what, solved).uneven / beyond_even(what, solved).even
+                  for what in (StaticPeak(fitted.loads), fatigue_use(fitted)))  # fmt: skip
+    assert contact < bound < 2.0  # solved contact has the mesh's own tilt and clearance
+    loaded = rod(tmp_path, fits="")
+    uneven = uneven_bores(loaded)
+    level = first_level(loaded, Models())
+    for what in (StaticPeak(loaded.loads), fatigue_use(loaded)):
+        even, raised = (bars_of(what, loaded.part, [level, level], 0.2, u) for u in ({}, uneven))
+        assert_allclose(raised.in_bores, uneven["first"][0] * even.in_bores, rtol=0.02)
+        assert raised.above > even.above
+        assert "times as much at the edges of first, as the pin bends" in raised.note
+    by_formula = rung_level(loaded, shapes.model_of(loaded.part, loaded.loads))
+    found = [raised_in_bores(loaded, loaded.loads, by_formula, None, u) for u in ({}, uneven)]
+    assert 1.0 < found[1] / found[0] <= uneven["first"][0] * (1 + 1e-9)
+    estimate = rung_estimates(loaded, by_formula, None, lambda _: None)["static"].check
+    assert "at the edges of first, as the pin bends" in estimate.note
+    stated = replace(loaded, part=replace(loaded.part, arc_stated=True))
+    assert uneven_bores(stated) == {}  # as the file says how the pin presses
 
 
 def test_a_pin_that_does_not_bend_presses_as_evenly_as_it_was_taken(tmp_path):
