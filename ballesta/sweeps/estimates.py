@@ -62,6 +62,7 @@ class Estimates:
         self._known = {_name(check): check for check in result.checks}
         self._ratios: dict[tuple[str, str, str], tuple[float, float, bool]] = {}
         self._compared: set[str] = set()
+        self._unjudged: set[str] = set()  # parts whose stress no formula judges as they are
         self.lightened = () if self.open else self._heaviest(shapes)
         self.base = self._compare(self.open or self.lightened)
 
@@ -79,6 +80,7 @@ class Estimates:
         base = self.screening.of({}, parts, only_materials=True)
         self.screening.rubbing |= base.rubbing
         self._compared |= set(parts)
+        self._unjudged |= base.open.keys()
         for check in base.checks:
             better = self._known.get(_name(check))
             if better is not None and check.value > 0:
@@ -94,10 +96,12 @@ class Estimates:
         return (*self.open, *([LINKAGE] if self.linkage_open else []))
 
     def reserve(self, one: Screened, parts: Sequence[str], *, margin: bool = True) -> float:
-        """The least reserve of some parts' checks; 0 where a check has no upper end.
+        """The least reserve of some parts' checks; 0 where a check has no upper end, or is missing.
 
         margin  False for parts that keep their shape: so does the ratio of their models
         """
+        if one.open.keys() & set(parts) - self._unjudged:
+            return 0.0  # the formula gave up on the variation, as of a hole near an edge
         return min((r for r, *_ in self.reserves(one, parts, margin=margin)), default=inf)
 
     def reserves(

@@ -349,17 +349,20 @@ class _Search:
     ) -> None:
         """Add 1/factor and place of the places that come near the largest so far.
 
-        Positions with the same pose and drive share the stiffness and are solved together. Stiff
-        forks hold whatever soft ones hold, and more: by Rayleigh's quotient 1/factor is not larger
-        with them, so they are asked last, and only where soft ones leave them a chance.
+        Positions with the same pose and drive share the stiffness and are solved together, those of
+        large forces first. Stiff forks hold whatever soft ones hold, and more: by Rayleigh's
+        quotient 1/factor is not larger with them, so they are asked where soft ones leave a chance.
         """
         sizes = {name: forces.sizes for name, forces in self._forces.items()}
         largest = {
             case: max((value for value, _ in found.get(case, ())), default=0.0)
             for case in self._cases
         }
-        poses = []
-        for members in self._alike(places).values():
+
+        def force(members: list[_Place]) -> float:
+            return max(float(np.abs(sizes[name][k]).max()) for name, k in members)
+
+        for members in sorted(self._alike(places).values(), key=force, reverse=True):
             name, k = members[0]
             placed = self._placed(name, k)
             if len(members) == 1:
@@ -367,29 +370,21 @@ class _Search:
             else:
                 acting = np.array([sizes[other][j] for other, j in members])
                 geometric = np.tensordot(acting, self._forces[name].forms(placed, k), 1)
-            poses.append((members, placed, geometric))
-
-        def bounds_of(pose: tuple[list[_Place], PlacedLinks, FloatArray], case: _Case) -> float:
-            """Find 1/factor of a pose's positions, or that they come not near; their bound."""
-            members, placed, geometric = pose
-            free = self._moves(placed, *members[0], case)
-            reduced = _reduced(placed, free, geometric, case.plane)
-            bounds = np.linalg.norm(reduced, axis=(1, 2))
-            near = np.flatnonzero(bounds > _NEAR * largest[case])
-            if len(near):
-                bounds[near] = _largest_inverses(reduced[near])
-                largest[case] = max(largest[case], float(bounds[near].max()))
-                ranked = [(float(bounds[n]), members[n]) for n in near if bounds[n] > 0]
-                found.setdefault(case, []).extend(ranked)
-            return float(bounds.max())
-
-        first = [case for case in self._cases if case != _STIFF or _SOFT not in self._cases]
-        bounds = [{case: bounds_of(pose, case) for case in first} for pose in poses]
-        if len(first) < len(self._cases):
-            soft = [one[_SOFT] for one in bounds]
-            for number in np.argsort(soft)[::-1]:
-                if soft[number] > _NEAR * largest[_STIFF]:
-                    bounds_of(poses[number], _STIFF)
+            soft = np.inf
+            for case in largest:
+                if case == _STIFF and soft <= _NEAR * largest[case]:
+                    continue
+                free = self._moves(placed, name, k, case)
+                reduced = _reduced(placed, free, geometric, case.plane)
+                bounds = np.linalg.norm(reduced, axis=(1, 2))
+                near = np.flatnonzero(bounds > _NEAR * largest[case])
+                if len(near):
+                    bounds[near] = _largest_inverses(reduced[near])
+                    largest[case] = max(largest[case], float(bounds[near].max()))
+                    ranked = [(float(bounds[n]), members[n]) for n in near if bounds[n] > 0]
+                    found.setdefault(case, []).extend(ranked)
+                if case == _SOFT:
+                    soft = float(bounds.max())
 
     def lowest(self, case: _Case, ranked: Sequence[tuple[float, _Place]]) -> tuple[float, str, int]:
         """The lowest factor, its cycle and position, of those ranked on a coarser frame.

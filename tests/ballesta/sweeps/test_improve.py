@@ -10,6 +10,7 @@ from ballesta.cli import main
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
 from ballesta.pipeline import check_design, check_file
+from ballesta.sweeps.estimates import Estimates
 from ballesta.sweeps.improve import improve, with_changes
 from checks.columns.linkage_frame import linkage_check, worst_mode
 from checks.design.effort import Effort
@@ -79,6 +80,17 @@ def test_a_thickness_that_is_found_is_the_least_that_passes(file, need, improved
     assert after.safety == pytest.approx(change.safety, rel=1e-9)
     less = f"parts.rod.thickness={thickness - 0.1 * (thickness - 10.0)} mm"
     assert rod(file, need, less).status is not Status.PASS
+
+
+def test_what_no_formula_judges_is_no_way_out(file):
+    """A hole of 29 mm leaves half a millimetre beside it in 30 mm: the formula gives up on it."""
+    design = read_design(file)
+    known = Estimates(design, check_design(design, effort=FORMULA))
+    one = known.screened("parts.rod.hole", 29.0, "mm", ("rod",))
+    assert "gave up" in one.open["rod"]
+    assert not one.problem
+    assert known.reserve(known.base, ("rod",)) > 0.0
+    assert known.reserve(one, ("rod",)) == 0.0
 
 
 def test_where_all_pass_the_mass_that_can_be_saved_is_found(file):

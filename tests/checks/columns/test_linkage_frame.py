@@ -162,6 +162,19 @@ def test_no_position_has_a_lower_factor_than_the_one_that_is_told(tmp_path, turn
     assert mode.factor == pytest.approx(known[least], rel=1e-9)
 
 
+def test_no_position_of_any_case_is_worse_than_those_that_are_ranked_first():
+    """Soft forks, stiff ones and in the plane; the largest force is where stiff forks hold best."""
+    design = read_design(DESIGNS / "slider_crank.toml")
+    name, *_ = design.cycles
+    design = replace(design, cycles={name: at_positions(design.cycles[name], 25)})
+    search = _Search(design, solve_cycles(design, {}), COARSE)
+    ranked = search.ranked()
+    for case in (_IN, _SOFT, _STIFF):
+        worst = max(search.largest_inverse((name, k), case) for k in range(25))
+        assert worst > 0
+        assert ranked[case][0][0] == pytest.approx(worst, rel=1e-9)
+
+
 def test_stiffer_forks_never_lower_the_factor(tmp_path):
     design = machine(tmp_path, BAR)
     runs = solved(design)
