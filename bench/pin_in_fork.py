@@ -71,7 +71,7 @@ class Block:
 class Fork:
     """A fork whose eye is b mm wide, of elements as fine as `fineness`.
 
-    bush  bonded into all bores; its hoop stress is told in place of the bore's
+    bush  bonded into all bores; its hoop stress stands in place of the bore's
     """
 
     eye: float

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+import scipy
 
 from geometry.cad_body import Skin
 from geometry.mesh import FloatArray, IntArray, MeshError
@@ -118,8 +117,8 @@ def _segments(
         names.append(low * len(nodes) + high)
     known, index = np.unique(np.concatenate(names), return_inverse=True)
     one, two = index.reshape(2, -1)
-    joined = coo_array((np.ones(len(one)), (one, two)), shape=(len(known), len(known)))
-    _, line = connected_components(joined, directed=False)
+    joined = scipy.sparse.coo_array((np.ones(len(one)), (one, two)), shape=(len(known), len(known)))
+    _, line = scipy.sparse.csgraph.connected_components(joined, directed=False)
     return points[0], points[1], line[one]
 
 

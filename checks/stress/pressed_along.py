@@ -8,7 +8,7 @@ The judged stress under that pressure is the model band's. Pins with lugs on one
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -128,12 +128,15 @@ class Stack:
         """
         if (position, tilt) not in self._known:
             lugs, own = self.lugs(position, tilt)
-            found = None
-            if own >= 0:
-                bent, straight = (line_load(self.bar, lugs, bends=b) for b in (True, False))
-                found = shares_along(bent, own) - shares_along(straight, own)
+            found = _shares(self.bar, tuple(lugs), own) if own >= 0 else None
             self._known[position, tilt] = found
         return self._known[position, tilt]
+
+
+@lru_cache(maxsize=64)
+def _shares(bar: RoundBar, lugs: tuple[Lug, ...], own: int) -> FloatArray:
+    bent, straight = (line_load(bar, lugs, bends=bends) for bends in (True, False))
+    return shares_along(bent, own) - shares_along(straight, own)
 
 
 def lining_in(design: Design, pin: Part, lug: str) -> Lining | None:

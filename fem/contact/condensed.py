@@ -19,7 +19,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy
 
 from geometry.mesh import BoolArray, FloatArray
 
@@ -94,8 +93,11 @@ class CondensedContact:
         rows = np.concatenate([at, np.arange(len(whole) - m, len(whole))])
         system = whole[rows[:, None], rows]
         right = np.concatenate([openings[at] / -scale, -force])
-        *_, answer, singular = scipy.linalg.lapack.dgesv(system, right)
-        if singular or not np.abs(system @ answer - right).max() <= 1e-9 * np.abs(right).max():
+        try:
+            answer = np.linalg.solve(system, right)
+        except np.linalg.LinAlgError:
+            return None
+        if not np.abs(system @ answer - right).max() <= 1e-9 * np.abs(right).max():
             return None
         forces = np.zeros(len(self.flexibility))
         forces[at] = answer[:count]
