@@ -15,6 +15,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from checks.design.data import Part
+from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.stress.beyond_even import BeyondEven, beyond_even
 from checks.stress.clearances import (
     POSITIONS,
@@ -133,8 +134,9 @@ def bars_of(
         by = ", ".join(f"{degrees(a):.0f} deg {v:.4g}" for a, v in by_arc.items())
         notes.append(f"by arc of contact, MPa: {by}")
     in_bores = 0.0
-    if by_arc and len(finest.in_bores) and not part.arc_stated:
-        in_bores = max(judged.direct(finest, arcs, RaisedInBores(uneven or {})))
+    if by_arc and len(finest.in_bores) and (uneven or not part.arc_stated):
+        more = 0.0 if part.arc_stated else BEYOND_ARCS
+        in_bores = max(judged.direct(finest, arcs, RaisedInBores(more, uneven or {})))
         notes.append(f"model band: {raised_words(part, uneven or {})}")
     reached = [*by_arc.values(), in_bores]
     above = max(reached) - by_arc[pi] if by_arc else 0.0

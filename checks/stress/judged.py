@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.part.part_loads import PartLoads
 from checks.stress.solid_mesh_level import Level, peak_of
 from checks.stress.stress_result import Stressed
@@ -166,9 +165,11 @@ class RaisedInBores:
 
     Lugs were compared under forces in their plane: the stress of couples out of it stays.
 
+    more    share by which arcs that are not stated may have more
     uneven  bore -> how much more its bent pin presses at the most, and where
     """
 
+    more: float
     uneven: Mapping[str, tuple[float, str]]
 
     def __call__(
@@ -179,7 +180,7 @@ class RaisedInBores:
         tilting = tilting_columns(solutions)
         couples = level.history.basis[points][:, :, tilting] @ level.coefficients[tilting, position]
         stress = direct_under(loads, level, position, arcs)[points]
-        times = (1 + BEYOND_ARCS) * self._bent(level)[:, None, None]
+        times = (1 + self.more) * self._bent(level)[:, None, None]
         return np.asarray(times * stress - (times - 1) * couples[:, :, None])
 
     def _bent(self, level: Level) -> FloatArray:

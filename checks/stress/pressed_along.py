@@ -17,6 +17,7 @@ from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from fem.contact.beds import Lug, RoundBar
+from fem.contact.condensed import ContactError
 from fem.contact.cylinder_waves import Lining
 from fem.contact.line_load import line_load
 from fem.contact.uneven import shares_along
@@ -184,18 +185,19 @@ def uneven_bores(loaded: LoadedPart) -> Mapping[str, tuple[float, str]]:
 
     Of bores whose pin's stack is known, where the force is largest, without clearance and with lugs
     of the part that do not tilt: no less than solved contact has. Bores that are pressed evenly are
-    left out, and so are those of parts whose `bearing_arc` states how the pin presses.
+    left out. A `bearing_arc` states how the pin presses around, not along.
     """
     part = loaded.part
-    if part.arc_stated and not part.clearances:
-        return {}
     found = {}
     for name, wrenches in loaded.loads.wrenches.items():
         stack = stack_in(loaded, name, part.clearances.get(name, (0.0,))[0])
         if stack is None:
             continue
         forces = np.hypot(wrenches[:, 0], wrenches[:, 1])
-        shares = stack.shares(int(forces.argmax()), 0.0) if forces.any() else None
+        try:
+            shares = stack.shares(int(forces.argmax()), 0.0) if forces.any() else None
+        except ContactError:  # other bodies press as well, or from where the stack does not say
+            continue
         most, edge = most_pressed(shares) if shares is not None else (1.0, "")
         if most > 1 + _ALIKE:
             found[name] = most, edge

@@ -107,7 +107,11 @@ def test_models_without_contact_have_what_bent_pins_press_in_their_band_as_well(
     estimate = rung_estimates(loaded, by_formula, None, lambda _: None)["static"].check
     assert "at the edges of first, as the pin bends" in estimate.note
     stated = replace(loaded, part=replace(loaded.part, arc_stated=True))
-    assert uneven_bores(stated) == {}  # as the file says how the pin presses
+    assert uneven_bores(stated) == uneven  # it says how the pin presses around, not along
+    even, raised = (bars_of(what, stated.part, [level, level], 0.2, u) for u in ({}, uneven))
+    assert even.in_bores == 0.0
+    assert raised.above > even.above
+    assert "model band: 1." in raised.note
 
 
 def test_a_pin_that_does_not_bend_presses_as_evenly_as_it_was_taken(tmp_path):
