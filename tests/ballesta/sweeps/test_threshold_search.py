@@ -452,13 +452,14 @@ def test_an_output_folder_that_cannot_be_written_is_told_before_anything_is_chec
 
 def test_the_command_line_prints_the_value_that_just_passes(tmp_path):
     out = tmp_path / "out"
-    options = ["--sweep", "parts.bar_upper.wall = 6.3, 7.1 mm", "--fidelity", "formula"]
-    until = ["batch", "designs/toggle_press.toml", *options, "--until", "pass", "--out", str(out)]
-    run = run_ballesta(*until, "--set", "cycles.press.positions=61", out=out)
+    options = ["--sweep", "parts.lower_left.thickness = 6, 8 mm", "--fidelity", "formula"]
+    design = "designs/gallery/scissors_jack.toml"
+    until = ["batch", design, *options, "--until", "pass", "--out", str(out)]
+    run = run_ballesta(*until, out=out)
     assert run.code == 0, run.stderr
-    written = json.loads((out / "toggle_press" / "until.json").read_text())
-    assert (written["beyond"], written["found"]) == ("6.3 mm", "7.1 mm")
-    assert "7.1 mm is the smallest that passes, 6.3 mm does not (UNDECIDED)" in run.stdout
+    written = json.loads((out / "scissors_jack" / "until.json").read_text())
+    assert (written["beyond"], written["found"]) == ("6 mm", "8 mm")
+    assert "8 mm is the smallest that passes, 6 mm does not (UNDECIDED)" in run.stdout
     refused = run_ballesta(*until, "--jobs", "2", "--no-reports", out=out)
     assert refused.code == 2
     assert "leave out --jobs, --reports" in refused.stderr

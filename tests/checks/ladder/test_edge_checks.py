@@ -58,6 +58,8 @@ def part_of(threshold=None, ductile=True):
         reliability=0.5,
         bearing_arc=pi,
         arc_stated=True,
+        clearances={},
+        interfaces={},
     )
 
 
@@ -67,7 +69,8 @@ def threshold_for(length):
 
 
 def loaded(part, loads):
-    return SimpleNamespace(part=part, loads=loads, duty=SimpleNamespace(cycles=DUTY), accuracy=0.05)
+    duty = SimpleNamespace(cycles=DUTY)
+    return SimpleNamespace(part=part, loads=loads, duty=duty, accuracy=0.05, runs={})
 
 
 def made(judged, limit):
