@@ -64,4 +64,4 @@ def test_the_commands_of_the_page_fit_their_designs(monkeypatch):
             read_design(words[2], variation)
         for option, value in given:
             if option == "--until":
-                assert parts_of(value) == ("bar_upper", "bar_lower")
+                assert parts_of(value) == ("lower_left", "lower_right")
