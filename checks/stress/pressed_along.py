@@ -187,10 +187,9 @@ def uneven_bores(loaded: LoadedPart) -> Mapping[str, tuple[float, str]]:
     of the part that do not tilt: no less than solved contact has. Bores that are pressed evenly are
     left out. A `bearing_arc` states how the pin presses around, not along.
     """
-    part = loaded.part
     found = {}
     for name, wrenches in loaded.loads.wrenches.items():
-        stack = stack_in(loaded, name, part.clearances.get(name, (0.0,))[0])
+        stack = stack_in(loaded, name)
         if stack is None:
             continue
         forces = np.hypot(wrenches[:, 0], wrenches[:, 1])

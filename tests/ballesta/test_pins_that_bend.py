@@ -77,9 +77,9 @@ def test_a_bent_pin_presses_the_edges_of_an_eye_more_which_the_band_holds(bent):
         told, items = solid_bars(bars, "v")
         assert {"q_1", "q_2"} < {getattr(item, "symbol", "") for item in items}
         assert "bent pins" in told.words
-        (told,) = pins_data(level, {what: bars})["pins"]["kinds"].values()
-        assert_allclose(told["above"], bars.clearances.above)  # a slider leaves what bending adds
-        assert told["above"] < bars.above - 0.9 * found.above
+        assert found.above > 0.02 * found.even
+        kept = pins_data(level, {what: bars}).get("pins", {"kinds": {}})["kinds"].values()
+        assert not any("clearances" in one for one in kept)  # no slider knows what bending adds
     said = " ".join(assumed_of(loaded, level))
     assert "the pin bends, which presses up to" in said
     assert "which the band holds as well" in said
