@@ -174,7 +174,7 @@ def _by_drive(result: DesignResult, check: Check, settles: str) -> Iterator[Way]
 
 def _by_forks(result: DesignResult, check: Check, settles: str) -> Iterator[Way]:
     """Where a linkage buckles only if its pins let its bodies tilt out of the plane."""
-    held = replace(check, value=check.value - check.below, model_below=0.0)
+    held = replace(check, value=max(check.value - check.below, 0.0), model_below=0.0)
     if held.status is Status.PASS:
         yield Way(
             settles,

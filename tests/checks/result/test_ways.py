@@ -129,6 +129,8 @@ def test_forks_count_where_the_linkage_passes_with_stiff_ones():
     assert only(replace(design(), linkage=[little])).command
     hard = replace(share, numerical=0.3)
     assert "nothing here settles it" in only(replace(design(), linkage=[hard])).text
+    rounded = replace(share, value=1e19, model_below=1.000001e19)  # no more is left than nothing
+    assert only(replace(design(), linkage=[rounded])).text
 
 
 def test_a_better_model_is_a_way_only_for_what_it_may_settle():
