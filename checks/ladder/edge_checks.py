@@ -12,7 +12,7 @@ and what they leave open: docs/theory/notch_edges.md.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import isfinite, pi
 from typing import cast
 from weakref import WeakKeyDictionary
@@ -53,6 +53,18 @@ _ORDER = (Status.PASS, Status.UNDECIDED, Status.FAIL)
 Make = Callable[[Stressed, Bars], Check]
 
 
+@dataclass(frozen=True)
+class NotJudged:
+    """Why sharp edges are not judged.
+
+    why    in words
+    finer  True if a finer mesh may change it
+    """
+
+    why: str
+    finer: bool = False
+
+
 def critical_distance(part: Part) -> float | None:
     """Taylor's length L of a part's material, mm; None where no threshold is stated.
 
@@ -67,30 +79,32 @@ def critical_distance(part: Part) -> float | None:
 
 def edge_fatigue(
     loaded: LoadedPart, levels: Sequence[Level], use: FatigueUse, make: Make
-) -> Check | str:
-    """The check of fatigue with sharp edges judged, or why they cannot be, in words.
+) -> Check | NotJudged:
+    """The check of fatigue with sharp edges judged, or why they cannot be.
 
     make  a check of what was judged on some level, with its bars
     """
     part, loads = loaded.part, loaded.loads
     length = critical_distance(part)
     if length is None:
-        return "or state the material's threshold, for the point method"
+        return NotJudged("or state the material's threshold, for the point method")
     if isinstance(use, FkmUse):
-        return "the FKM guideline's chain does not judge sharp edges"
+        return NotJudged("the FKM guideline's chain does not judge sharp edges")
     duty = loaded.duty.cycles
     edges = [edge_level(level, loads, duty, length / 2) for level in levels[-2:]]
     before, finest = edges[0], edges[-1]
     farther = edge_level(levels[-1], loads, duty, length / 2, reach=FARTHER)
     leading = edge_level(levels[-1], loads, duty, length / 2, leading=True)
     if before is None or finest is None or farther is None or leading is None:
-        return "the elements at the edge are too large beside the faces there to fit its stress"
+        why = "the elements at the edge are too large beside the faces there to fit its stress"
+        return NotJudged(why, finer=True)
     value = use.value(finest)
     room = min(room_at(finest.places, int(k)) for k in finest.fitted)
     if length / 2 > room or use.value(leading) < _DOMINATES * value:
-        return (
+        return NotJudged(
             f"half the critical distance, {length / 2:.3g} mm, lies outside of what the edge's "
-            "singular stress dominates"
+            "singular stress dominates",
+            finer=True,
         )
     others = [use.value(level) for level in (before, farther, leading)]
     bars = _bars(part, finest, use, max(abs(value - other) for other in others))
@@ -105,27 +119,28 @@ def edge_fatigue(
     beside_bars = bars_of(use, part, beside, loaded.accuracy, uneven_bores(loaded))
     elsewhere = make(beside[-1], beside_bars)
     if not isfinite(elsewhere.numerical):
-        return f"away from where stress at the edge could be fitted: {beside_bars.note}"
+        why = f"away from where stress at the edge could be fitted: {beside_bars.note}"
+        return NotJudged(why, finer=True)
     return _worse(at_edge, elsewhere, "sharp edges by the point method")
 
 
 def edge_static(
     loaded: LoadedPart, levels: Sequence[Level], peak: Judged, make: Make
-) -> Check | str:
-    """The static check with sharp edges spared, or why there is none, in words.
+) -> Check | NotJudged:
+    """The static check with sharp edges spared, or why there is none.
 
     make  a check of what was judged on some level, with its bars
     """
     part, loads = loaded.part, loaded.loads
     if not part.material.ductile:
-        return "the material is brittle: nothing redistributes the stress at the edge"
+        return NotJudged("the material is brittle: nothing redistributes the stress at the edge")
     spared = Spared.of(levels[0])
     for old in levels[:-2]:
         _solved.pop(old, None)  # its factor takes memory
     try:
         both = [_spared(level, loads, spared) for level in levels[-2:]]
     except TooLargeError as error:
-        return f"a stress field that spares the edge was not solved: {error}"
+        return NotJudged(f"a stress field that spares the edge was not solved: {error}")
     finest = both[-1]
     values = [level.peak.value for level in both]
     place = finest.history.points[finest.peak.point]
@@ -163,30 +178,38 @@ def edge_static(
         return at_edge  # the whole surface is near the edges, and judged with them
     elsewhere = make(beside[-1], bars_of(peak, part, beside, loaded.accuracy, uneven_bores(loaded)))
     if not isfinite(elsewhere.numerical):
-        return "the stress grows away from the edges, too"
+        return NotJudged("the stress grows away from the edges, too", finer=True)
     return _worse(at_edge, elsewhere, "sharp edges spared")
 
 
 def known_at_edges(
-    loaded: LoadedPart, levels: Sequence[Level], judged: Sequence[Judged], checks: Sequence[Check]
+    loaded: LoadedPart,
+    levels: Sequence[Level],
+    judged: Sequence[Judged],
+    checks: Sequence[Check],
+    edges: Sequence[Check | NotJudged | None],
 ) -> str:
     """Why no finer mesh is needed, where sharp edges are known well enough; "" if one is.
 
     checks  of what is judged, in its order
+    edges   of each whose peak lies on a sharp edge, its check or why there is none; else None
     """
-    if not len(levels[-1].edges[0]):
-        return ""
-    part, accuracy = loaded.part, loaded.accuracy
-    sharp = [bool(bars_of(what, part, levels, accuracy).numerical.singular) for what in judged]
+    accuracy = loaded.accuracy
+    never = [isinstance(one, NotJudged) and not one.finer for one in edges]
     known = all(
-        check.numerical - check.sampling <= max(accuracy, _ENOUGH) * check.value
-        if at_edge
-        else mesh_bar(what, levels) <= accuracy
-        for what, check, at_edge in zip(judged, checks, sharp, strict=True)
+        lost
+        or (
+            check.numerical - check.sampling <= max(accuracy, _ENOUGH) * check.value
+            if isinstance(one, Check)
+            else mesh_bar(what, levels) <= accuracy
+        )
+        for what, check, one, lost in zip(judged, checks, edges, never, strict=True)
     )
-    if known and any(sharp):
-        return f"sharp edges are judged to {100 * _ENOUGH:g} %: no finer mesh was solved"
-    return ""
+    if not known or all(one is None for one in edges):
+        return ""
+    if any(never):
+        return "no mesh makes stress at its sharp edges finite: no finer one was solved"
+    return f"sharp edges are judged to {100 * _ENOUGH:g} %: no finer mesh was solved"
 
 
 def _spared(level: Level, loads: PartLoads, spared: Spared) -> SparedLevel:

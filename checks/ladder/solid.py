@@ -15,7 +15,7 @@ from checks.derivations.buckling import solid_share
 from checks.derivations.stresses import of_solid
 from checks.design.data import Part
 from checks.ladder.chart_data import charts_of, pins_data
-from checks.ladder.edge_checks import edge_fatigue, edge_static, known_at_edges
+from checks.ladder.edge_checks import NotJudged, edge_fatigue, edge_static, known_at_edges
 from checks.ladder.hand_calculations import hand_checks
 from checks.ladder.levels import (
     EVERYTHING,
@@ -201,8 +201,10 @@ def solve_stress(
         return [judgement.check for judgement in judgements_of(levels, judged)]
 
     def enough(levels: Sequence[Level]) -> str:
-        checks = checks_of(levels)
-        return asked.enough(checks) or known_at_edges(loaded, levels, judged, checks)
+        found = judgements_of(levels, judged)
+        checks = [one.check for one in found]
+        edges = [one.at_edges if one.bars.numerical.singular else None for one in found]
+        return asked.enough(checks) or known_at_edges(loaded, levels, judged, checks, edges)
 
     def accuracy(levels: Sequence[Level]) -> float:
         left = asked.settling(checks_of(levels), levels[-1].unknowns)
@@ -241,13 +243,13 @@ class _Judgement:
 
     bars      of it
     own       its check by the stress itself, without a derivation; None where edges are judged
-    at_edges  the check of a part with sharp edges, or why there is none; "" if they decide nothing
+    at_edges  the check at sharp edges, or why there is none; None if they decide nothing
     """
 
     what: Judged
     bars: Bars
     own: Check | None
-    at_edges: Check | str
+    at_edges: Check | NotJudged | None
 
     @property
     def check(self) -> Check:
@@ -265,7 +267,7 @@ class _Judgement:
         if isinstance(self.at_edges, Check):
             return self.at_edges
         assert own is not None
-        return replace(own, note=f"{own.note}; {self.at_edges}") if self.at_edges else own
+        return replace(own, note=f"{own.note}; {self.at_edges.why}") if self.at_edges else own
 
 
 def _judgement(
@@ -282,25 +284,25 @@ def _judgement(
 
 def _edges_judged(
     loaded: LoadedPart, levels: Sequence[Level], what: Judged, bars: Bars
-) -> Check | str:
+) -> Check | NotJudged | None:
     """The check of a part with sharp edges, or why there is none where the peak lies on one.
 
     Fatigue of edges is judged wherever it can be: what elements show there may be far less than the
-    stress that counts. "" where edges decide nothing.
+    stress that counts. None where edges decide nothing.
     """
 
     def make(level: Stressed, bars: Bars) -> Check:
         return stress_check(loaded, level, what, bars)
 
     if not all(len(level.edges[0]) for level in levels):
-        return ""
+        return None
     if isinstance(what, FatigueUse):
         if not bars.numerical.singular and loaded.part.material.threshold is None:
-            return ""
+            return None
         judged = edge_fatigue(loaded, levels, what, make)
-        return judged if isinstance(judged, Check) or bars.numerical.singular else ""
+        return judged if isinstance(judged, Check) or bars.numerical.singular else None
     if not bars.numerical.singular:
-        return ""
+        return None
     return edge_static(loaded, levels, what, make)
 
 

@@ -3,14 +3,20 @@
 The plates of tests/fem/notched.py, pulled to 100 MPa and pushed back to -100 MPa.
 """
 
-from math import pi
+from math import inf, pi
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from checks.ladder.edge_checks import critical_distance, edge_fatigue, edge_static
+from checks.ladder.edge_checks import (
+    NotJudged,
+    critical_distance,
+    edge_fatigue,
+    edge_static,
+    known_at_edges,
+)
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, Status
 from checks.strength.fatigue_assessment import FatigueUse
@@ -141,15 +147,27 @@ def test_an_edge_stays_open_without_a_threshold_or_beyond_its_singular_stress(
     _, loads, levels = plate
     use = FatigueUse(loads, LIMIT, ULTIMATE)
     said = edge_fatigue(loaded(part_of(threshold), loads), levels, use, made(use, LIMIT))
-    assert isinstance(said, str)
-    assert why in said
+    assert isinstance(said, NotJudged)
+    assert why in said.why
 
 
 def test_a_brittle_part_is_not_judged_by_a_field_that_spares_its_edges(plate):
     _, loads, levels = plate
     peak = StaticPeak(loads)
     said = edge_static(loaded(part_of(ductile=False), loads), levels, peak, made(peak, YIELD))
-    assert "brittle" in said
+    assert "brittle" in said.why
+
+
+@pytest.mark.parametrize(("finer", "stops"), [(False, True), (True, False)])
+def test_edges_that_no_mesh_can_judge_ask_for_no_finer_one(plate, finer, stops):
+    _, loads, levels = plate
+    use = FatigueUse(loads, LIMIT, ULTIMATE)
+    part = loaded(part_of(None), loads)
+    bars = bars_of(use, part.part, levels, part.accuracy)
+    check = made(use, LIMIT)(levels[-1], bars)
+    assert check.numerical == inf
+    said = known_at_edges(part, levels, [use], [check], [NotJudged("why", finer)])
+    assert bool(said) == stops
 
 
 def test_the_field_that_spares_an_edge_is_in_balance_and_bounds_the_plastic_limit(plate):
