@@ -6,8 +6,8 @@ fit and other lugs free to tilt, which bend it most; the part's own cheeks tilt 
 The judged stress under that pressure is the model band's. Pins with lugs on one side are left out.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -18,7 +18,7 @@ from checks.part.part_loads import PartLoads, Runs, loads_on
 from fem.contact.beds import Lug, RoundBar
 from fem.contact.condensed import ContactError
 from fem.contact.cylinder_waves import Lining
-from fem.contact.line_load import line_load
+from fem.contact.line_load import LineLoad, line_load
 from fem.contact.uneven import shares_along
 from geometry.mesh import FloatArray
 from geometry.parts import Pin
@@ -46,7 +46,6 @@ class Stack:
     loads: PartLoads
     bore: str
     clearance: float
-    _known: dict[tuple[int, float], FloatArray | None] = field(default_factory=dict)
 
     @property
     def shape(self) -> Pin:
@@ -119,17 +118,34 @@ class Stack:
         elements and tests have it; None where the lug carries nothing. Raises ContactError where
         the pin's forces are not in balance.
         """
-        if (position, tilt) not in self._known:
-            lugs, own = self.lugs(position, tilt)
-            found = _shares(self.bar, tuple(lugs), own) if own >= 0 else None
-            self._known[position, tilt] = found
-        return self._known[position, tilt]
+        lugs, own = self.lugs(position, tilt)
+        if own < 0:
+            return None
+        alike = under_one(lugs)
+        held = tuple(replace(lug, tilt=0.0) for lug in alike)  # as a straight pin has them anyway
+        bent, straight = _pressed(self.bar, alike, True), _pressed(self.bar, held, False)
+        return shares_along(bent, own) - shares_along(straight, own)
 
 
-@lru_cache(maxsize=64)
-def _shares(bar: RoundBar, lugs: tuple[Lug, ...], own: int) -> FloatArray:
-    bent, straight = (line_load(bar, lugs, bends=bends) for bends in (True, False))
-    return shares_along(bent, own) - shares_along(straight, own)
+def under_one(lugs: Sequence[Lug]) -> tuple[Lug, ...]:
+    """The lugs with forces over the largest, of four digits, and clearances over that force.
+
+    The line load over its mean is the same: nothing pulls and no gap opens along the pin, so it
+    grows with the forces; around, it has the clearance over the force alone.
+    """
+    largest = max(lug.size for lug in lugs)
+    found = []
+    for lug in lugs:
+        size = float(f"{lug.size / largest:.4g}")
+        x, y = (size * round(part / lug.size, 4) for part in lug.force)
+        found.append(replace(lug, force=(x, y), clearance=lug.clearance / largest))
+    return tuple(found)
+
+
+@lru_cache(maxsize=256)
+def _pressed(bar: RoundBar, lugs: tuple[Lug, ...], bends: bool) -> LineLoad:
+    """Variations of a design that leave the pin, its lugs and their shares alike solve nothing."""
+    return line_load(bar, lugs, bends=bends)
 
 
 def lining_in(design: Design, pin: Part, lug: str) -> Lining | None:

@@ -117,6 +117,7 @@ def test_a_pin_that_does_not_bend_presses_as_evenly_as_it_was_taken(tmp_path):
     """A pin a thousand times as stiff leaves a thousandth, and some for its harder surface."""
     stack = rod(tmp_path).stack("first")
     lugs, own = stack.lugs(0, 0.0)
+    lugs = pressed_along.under_one(lugs)
     found = {}
     for stiffer in (1.0, 1e3):
         bar = replace(stack.bar, youngs_modulus=stiffer * stack.bar.youngs_modulus)
@@ -125,6 +126,39 @@ def test_a_pin_that_does_not_bend_presses_as_evenly_as_it_was_taken(tmp_path):
     assert_allclose(found[1.0], stack.shares(0, 0.0), rtol=1e-9)
     assert found[1.0][1] > 0.1
     assert 0 < found[1e3][1] < 3e-3 * found[1.0][1]
+
+
+@pytest.mark.parametrize("clearance", [0.0, 0.02])
+def test_the_line_load_over_its_mean_stays_under_other_forces_and_is_known(tmp_path, clearance):
+    """Degree 1 in forces and clearances together: to round-off, lift-off and skew forces included.
+
+    So what a stack solves once is known under forces that are alike to four digits.
+    """
+    bar = RoundBar((-60.0, 60.0), (20.0,), 210e3, 0.3)
+    lugs = [Lug(low, low + width, force, 210e3, 0.3, tilt, clearance)
+            for low, width, force, tilt in (
+                (-40.0, 8.0, (1000.0, 900.0), 1e-9), (-25.0, 50.0, (-2000.0, -1800.0), 0.0),
+                (32.0, 8.0, (1000.0, 900.0), 1e-9))]  # fmt: skip
+    heavy = [replace(lug, force=(7 * lug.force[0], 7 * lug.force[1]), clearance=7 * clearance)
+             for lug in lugs]  # fmt: skip
+    own, other = (line_load(bar, some) for some in (lugs, heavy))
+    assert min(own.intensity(1)) == 0.0  # it lifts off
+    for k in range(3):
+        assert_allclose(other.intensity(k), 7 * own.intensity(k), rtol=1e-9, atol=1e-9)
+    loose = [replace(lug, clearance=clearance) for lug in heavy]
+    beside = shares_along(line_load(bar, loose), 1) - shares_along(own, 1)
+    assert np.abs(beside).max() < 1e-9 if not clearance else np.abs(beside).max() > 1e-3
+    assert_allclose([lug.size for lug in pressed_along.under_one(heavy)],
+                    [lug.size for lug in pressed_along.under_one(lugs)], rtol=1e-12)  # fmt: skip
+    alike = line_load(bar, pressed_along.under_one(lugs))
+    assert_allclose(shares_along(alike, 1), shares_along(own, 1), atol=1e-3)
+    stack = rod(tmp_path).stack("first")
+    before = stack.shares(0, 0.0)
+    solved = pressed_along._pressed.cache_info().misses
+    grown = {name: 1.7 * wrench for name, wrench in stack.loads.wrenches.items()}
+    again = replace(stack, loads=replace(stack.loads, wrenches=grown))
+    assert_allclose(again.shares(0, 0.0), before, rtol=1e-12)
+    assert pressed_along._pressed.cache_info().misses == solved
 
 
 def test_cheeks_farther_away_bend_the_pin_more(tmp_path):
