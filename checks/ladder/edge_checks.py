@@ -28,7 +28,6 @@ from checks.strength.part_strength import endurance_of
 from checks.stress.clearances import OverClearances, over_clearances
 from checks.stress.error_bars import Bars, arcs_of, bars_of, mesh_bar
 from checks.stress.judged import Judged
-from checks.stress.pressed_along import uneven_bores
 from checks.stress.sharp_edges import (
     EdgeLevel,
     Spared,
@@ -116,7 +115,7 @@ def edge_fatigue(
     )
     # on coarser meshes than these two the edge spoils more than what is left out
     beside = beside_edges(levels[-2:], [before, finest], loads, duty)
-    beside_bars = bars_of(use, part, beside, loaded.accuracy, uneven_bores(loaded))
+    beside_bars = bars_of(use, part, beside, loaded.accuracy, loaded.uneven)
     elsewhere = make(beside[-1], beside_bars)
     if not isfinite(elsewhere.numerical):
         why = f"away from where stress at the edge could be fitted: {beside_bars.note}"
@@ -176,7 +175,7 @@ def edge_static(
     ]
     if any(len(level.left_out) == len(level.history.nodes) for level in beside):
         return at_edge  # the whole surface is near the edges, and judged with them
-    elsewhere = make(beside[-1], bars_of(peak, part, beside, loaded.accuracy, uneven_bores(loaded)))
+    elsewhere = make(beside[-1], bars_of(peak, part, beside, loaded.accuracy, loaded.uneven))
     if not isfinite(elsewhere.numerical):
         return NotJudged("the stress grows away from the edges, too", finer=True)
     return _worse(at_edge, elsewhere, "sharp edges spared")

@@ -34,7 +34,6 @@ from checks.result.derivation import BARS, BarSymbols, Derivation, Given, Item, 
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import Check, PartResult
 from checks.stress.kept_models import check_seconds, report_seconds
-from checks.stress.pressed_along import uneven_bores
 from checks.stress.solid_mesh_level import Models
 from checks.stress.stress_result import RungLevel
 from fem.solvers import SolverError
@@ -307,8 +306,7 @@ def _with_rung_bars(
     in_bores = 0.0
     if check.kind != "buckling":
         use = None if check.kind == "static" else climb.use
-        uneven = uneven_bores(climb.loaded)
-        in_bores = raised_in_bores(climb.loaded, part_loads, level, use, uneven)
+        in_bores = raised_in_bores(climb.loaded, level, use)
     bars, items = rung_bars(climb.part, part_loads, level.model, check, found.value, in_bores)
     if (bars.above and not isfinite(check.model)) or (bars.below and not isfinite(check.below)):
         bars, items = BarSymbols(words="no model band: see the note of the check"), []

@@ -14,7 +14,6 @@ from checks.stress.clearances import FIRST, some_positions, values_at
 from checks.stress.error_bars import Bars
 from checks.stress.judged import Judged, StaticPeak
 from checks.stress.pins_in_bores import PinnedBores, widest_fits
-from checks.stress.pressed_along import stack_in
 from checks.stress.solid_mesh_level import Level, solve_level
 from fem.contact.condensed import ContactError
 from fem.unit_solutions import has_bearings
@@ -97,7 +96,7 @@ def clearances_that_pass(
     bores = _bores_of_contact(loaded, level) if open_ones else []
     if not bores:
         return {}
-    stacks = [stack_in(loaded, bore.name) for bore in bores]
+    stacks = [loaded.stack(bore.name) for bore in bores]
     bends = any(stack is not None for stack in stacks)
     part, duty = loaded.part, loaded.duty.cycles
     fits = widest_fits(loaded, bores)

@@ -43,7 +43,6 @@ from checks.strength.sampling import fatigue_rise, static_rise, with_sampling
 from checks.stress.error_bars import Bars, bars_of, mesh_bar
 from checks.stress.judged import Judged, StaticPeak
 from checks.stress.kept_models import judging_seconds
-from checks.stress.pressed_along import uneven_bores
 from checks.stress.solid_mesh_level import Level, Models, solve_level
 from checks.stress.stress_result import Stressed
 from checks.stress.symmetry import MEANING, mode_surface, shown_surface
@@ -274,7 +273,7 @@ def _judgement(
     loaded: LoadedPart, levels: Sequence[Level], what: Judged, doubts: LoadBars
 ) -> _Judgement:
     """Judge a stress on the last mesh."""
-    bars = bars_of(what, loaded.part, levels, loaded.accuracy, uneven_bores(loaded))
+    bars = bars_of(what, loaded.part, levels, loaded.accuracy, loaded.uneven)
     own = doubts(stress_check(loaded, levels[-1], what, bars))
     at_edges = _edges_judged(loaded, levels, what, bars)
     if isinstance(at_edges, Check):

@@ -39,13 +39,13 @@ from checks.models.stress_words import Words, fatigue_words, static_words
 from checks.part.derived import VALUE, at_value
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
+from checks.part.pressed_along import raised_words
 from checks.result.verdict import Check, Status
 from checks.result.words import UNKNOWN_BAR
 from checks.strength.fatigue_assessment import FatigueUse
 from checks.strength.part_strength import endurance_of
 from checks.strength.sampling import buckling_rise, fatigue_rise, static_rise, with_sampling
 from checks.stress.duty_verdict import duty_runs, most_used
-from checks.stress.pressed_along import raised_words, uneven_bores
 from checks.stress.stress_result import ElasticLoad, RungLevel, RungModel, judge
 from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray, IntArray
@@ -203,7 +203,6 @@ def rung_estimates(
     """
     loads = loaded.loads
     found: dict[str, Estimate] = {}
-    uneven = uneven_bores(loaded)
     if STATIC in kinds:
         found[STATIC] = _stress_estimate(
             loaded,
@@ -212,8 +211,7 @@ def rung_estimates(
             level.peak.value,
             level.peak.point,
             static_rise(level, loads),
-            raised_in_bores(loaded, loads, level, None, uneven),
-            uneven,
+            raised_in_bores(loaded, level, None),
         )
     if FATIGUE in kinds and use is not None:
         words = fatigue_words(loaded, level, use)
@@ -224,8 +222,7 @@ def rung_estimates(
             use.value(level),
             use.point(level),
             fatigue_rise(level, loads, use),
-            raised_in_bores(loaded, loads, level, use, uneven),
-            uneven,
+            raised_in_bores(loaded, level, use),
         )
     load = level.model.buckling if BUCKLING in kinds else None
     if load is not None and load.share > 0.0:
@@ -241,7 +238,6 @@ def _stress_estimate(
     point: int,
     rise: float,
     in_bores: float,
-    uneven: Mapping[str, tuple[float, str]],
 ) -> Estimate:
     check = Check(
         part=loaded.part.name,
@@ -262,7 +258,7 @@ def _stress_estimate(
     )
     if loaded.loads.is_nothing:
         return Estimate(_told(check, 0.0, 0.0, NOTHING))
-    return _with_band(loaded, level.model, with_sampling(check, rise), in_bores, uneven)
+    return _with_band(loaded, level.model, with_sampling(check, rise), in_bores)
 
 
 def _buckling_estimate(loaded: LoadedPart, model: RungModel, rise: float) -> Estimate:
@@ -297,13 +293,11 @@ def _with_band(
     model: RungModel,
     check: Check,
     in_bores: float = 0.0,
-    uneven: Mapping[str, tuple[float, str]] | None = None,
 ) -> Estimate:
     """The check with the band of solids around the rung's value.
 
     in_bores  MPa, the largest in bores whose arc is not stated, or whose pin bends, raised; 0
               without such
-    uneven    bore -> how much more its bent pin presses at the most, and where
     """
     band, value = band_around(loaded.part, loaded.loads, model, check), check.value
     raised = in_bores if in_bores > value else 0.0
@@ -317,7 +311,7 @@ def _with_band(
     shared, said = band.above[0] * value, _of_solids(band, model)
     if raised:
         shared = raised * (1 + band.above[0]) - value
-        said = f"{said}; model band: {raised_words(loaded.part, uneven or {})}"
+        said = f"{said}; model band: {raised_words(loaded.part, loaded.uneven)}"
     return Estimate(
         _told(check, above, below, said), above - shared, below - band.shared_below * value
     )
@@ -429,23 +423,16 @@ def _of_solids(band: Band, model: RungModel) -> str:
 # the rungs were compared with solids on the arcs alone, evenly pressed along: they have neither.
 
 
-def raised_in_bores(
-    loaded: LoadedPart,
-    loads: PartLoads,
-    level: RungLevel,
-    use: FatigueUse | None,
-    uneven: Mapping[str, tuple[float, str]],
-) -> float:
+def raised_in_bores(loaded: LoadedPart, level: RungLevel, use: FatigueUse | None) -> float:
     """Return the largest stress in such bores with more of the forces in the plane, MPa.
 
     0 without such a bore. As in a solid (checks/stress/error_bars.py), the stress of couples out of
     the plane stays.
 
-    use     how fatigue is judged; None for von Mises stress
-    uneven  bore -> how much more its bent pin presses at the most, and where
+    use  how fatigue is judged; None for von Mises stress
     """
-    part, model, history = loaded.part, level.model, level.history
-    if part.body is None or loads.is_nothing or (part.arc_stated and not uneven):
+    part, loads, model, history = loaded.part, loaded.loads, level.model, level.history
+    if part.body is None or loads.is_nothing or (part.arc_stated and not loaded.uneven):
         return 0.0
     units = [name for name, _ in model.units]
     bores = {name.removesuffix(_PRESSURE) for name in units if name.endswith(_PRESSURE)}
@@ -457,7 +444,7 @@ def raised_in_bores(
         if not len(points):
             continue
         pressed = np.array([name.startswith(f"{bore} ") for name in units])
-        times = np.where(pressed, uneven.get(bore, (1.0, ""))[0], 1.0) * more
+        times = np.where(pressed, loaded.uneven.get(bore, (1.0, ""))[0], 1.0) * more
         raised = np.where(across, 1.0, times)[:, None] * history.coefficients
         if use is None:
             own = history.nodes[points], history.points[points], history.basis[points]

@@ -3,6 +3,7 @@
 import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import inf, radians, sqrt
 from typing import Protocol
 
@@ -21,6 +22,7 @@ from checks.part.derived import (
     load_case,
 )
 from checks.part.part_loads import Doubt, PartLoads, Runs, first_largest, loads_on
+from checks.part.pressed_along import Stack, stack_in, uneven_bores
 from checks.result.derivation import BARS, Derivation, Item, Section
 from checks.result.verdict import Check
 from geometry.body import Buildable
@@ -150,6 +152,18 @@ class LoadedPart:
         """The check at one of all positions whose numbers are those of its derivation."""
         part, loads = self.part, self.loads
         return derived_check(part, loads, position, heading, derivation, self.required)
+
+    @cached_property
+    def uneven(self) -> Mapping[str, tuple[float, str]]:
+        """By bore, how much more its bent pin presses at the most than on average, and where.
+
+        As models without contact have it; without bores that are pressed evenly.
+        """
+        return uneven_bores(self.design, self.part, self.loads, self.runs)
+
+    def stack(self, bore: str, clearance: float = 0.0) -> Stack | None:
+        """The stack of the pin in a bore, where one is known (`stack_in`)."""
+        return stack_in(self.design, self.part, self.loads, self.runs, bore, clearance)
 
     @property
     def name(self) -> str:

@@ -7,9 +7,9 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from checks.part.part_loads import PartLoads, first_largest
+from checks.part.pressed_along import Stack, most_pressed
 from checks.stress.judged import Judged
 from checks.stress.pins_in_bores import Contact
-from checks.stress.pressed_along import Stack, most_pressed
 from checks.stress.solid_mesh_level import Level
 from fem.contact.bore import BoreHarmonics
 from fem.contact.uneven import BoreAlong

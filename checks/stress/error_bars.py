@@ -16,6 +16,7 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
+from checks.part.pressed_along import raised_words
 from checks.stress.beyond_even import BeyondEven, beyond_even
 from checks.stress.clearances import (
     POSITIONS,
@@ -26,7 +27,6 @@ from checks.stress.clearances import (
 )
 from checks.stress.judged import Judged, RaisedInBores, StaticPeak
 from checks.stress.pins_in_bores import CLEARANCE_WORDS, MIDDLE
-from checks.stress.pressed_along import raised_words
 from checks.stress.solid_mesh_level import Level
 from fem.contact.bore import BoreHarmonics
 from fem.contact.cycle import BorePressure

@@ -12,7 +12,7 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.part.loaded_part import LoadedPart
-from checks.stress.pressed_along import Stack, lining_in, stack_in
+from checks.part.pressed_along import Stack, lining_in
 from fem.contact.bore import BoreHarmonics, bore_harmonics
 from fem.contact.cycle import ContactCycle, FittedPin, PartContact
 from fem.contact.cylinder_waves import Lining
@@ -72,7 +72,7 @@ def fits_of(loaded: LoadedPart) -> dict[str, Fit]:
     return {
         name: replace(
             _fit(loaded, name, *loaded.part.clearances[name]),
-            stack=stack_in(loaded, name, loaded.part.clearances[name][0]),
+            stack=loaded.stack(name, loaded.part.clearances[name][0]),
         )
         for name in sorted(loaded.part.clearances)
     }

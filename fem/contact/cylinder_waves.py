@@ -18,11 +18,13 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
+from numpy.polynomial import Polynomial
+from numpy.polynomial.polynomial import polyval
 
-from geometry.mesh import FloatArray
+from geometry.mesh import FloatArray, IntArray
 
 _GAUSS = np.polynomial.legendre.leggauss(8)
-_SHORT = 2000.0  # k R of waves along so short that two terms of their series do
+_SHORT = 40  # n, or k R of waves along, from which the series does, to 1e-12
 _FADED = 300.0  # exponent of what crosses no bush
 
 
@@ -102,32 +104,65 @@ def lined_bore_waves(
 
 def _decaying(last: int, x: FloatArray) -> FloatArray:
     """Slope x K_n'/K_n (last + 2, m), around a bore."""
-    ratio = np.empty((last + 2, len(x)))  # K_(n+1)/K_n
+    numbers = np.arange(last + 2)[:, None]
+    found = _short(numbers, x, -1.0)
+    some = x < _SHORT
+    if not some.any():
+        return found
+    x = x[some]
+    ratio = np.empty((min(last + 2, _SHORT), len(x)))  # K_(n+1)/K_n
     turn = np.linspace(0.0, 12.0, 1201)  # K_n(x) = integral of exp(-x cosh t) cosh(n t)
     falling = np.exp(-np.outer(x, np.cosh(turn) - 1))
     falling[:, 0] /= 2
     ratio[0] = falling @ np.cosh(turn) / falling.sum(axis=1)
-    for n in range(1, last + 2):
+    for n in range(1, len(ratio)):
         ratio[n] = 2 * n / x + 1 / ratio[n - 1]
-    numbers = np.arange(last + 2)[:, None]
-    return np.asarray(numbers - x * ratio)
+    found[: len(ratio), some] = numbers[: len(ratio)] - x * ratio
+    return found
 
 
 def _growing(last: int, x: FloatArray) -> FloatArray:
     """Slope x I_n'/I_n (last + 2, m), in a bar."""
-    numbers = np.arange(last + 2)[:, None]
-    size = np.hypot(numbers, x)
-    # Debye's first two terms; the next is below 1/(8 x)
-    found: FloatArray = size - x**2 / (2 * size**2)
+    found = _short(np.arange(last + 2)[:, None], x, 1.0)
     some = x < _SHORT
     if not some.any():
         return found
-    ratio, x = np.zeros(np.count_nonzero(some)), x[some]  # I_(n+1)/I_n
-    for n in range(last + 60 + int(2 * x.max()), -1, -1):
+    x = x[some]
+    ratio = (_short(np.array([[_SHORT]]), x, 1.0)[0] - _SHORT) / x  # I_(n+1)/I_n
+    for n in range(_SHORT - 1, -1, -1):
         ratio = 1 / (2 * (n + 1) / x + ratio)
         if n < last + 2:
             found[n, some] = n + x * ratio
     return found
+
+
+def _short(numbers: IntArray, x: FloatArray, side: float) -> FloatArray:
+    """Slope x F'/F (k, m) of waves n (k, 1) that are short, in a bar (side 1) or around a bore (-1).
+
+    x L' + L^2 = n^2 + x^2 = s^2 by Bessel's equation, so L = sum l_k(t)/(side s)^k from k = -1,
+    t = n^2/s^2: l_-1 = 1, 2 l_(k+1) = k (1 - t) l_k + 2 t (1 - t) l_k' - sum_(i+j=k) l_i l_j.
+    """
+    size = side * np.hypot(numbers, x)
+    t = (numbers / size) ** 2
+    found = np.zeros_like(t)
+    for term in reversed(_SERIES[1:]):
+        found = found / size + polyval(t, term)
+    return np.asarray(found + size)
+
+
+def _series(count: int) -> list[FloatArray]:
+    """Coefficients of the l_k of `_short`, from k = -1."""
+    t = Polynomial([0.0, 1.0])
+    found = [Polynomial([1.0])]
+    for k in range(-1, count - 2):
+        last, inner = found[-1], found[1:]
+        twice = (1 - t) * (k * last + 2 * t * last.deriv())
+        twice -= sum((a * b for a, b in zip(inner, reversed(inner), strict=True)), 0 * t)
+        found.append(twice / 2)
+    return [np.asarray(term.coef) for term in found]
+
+
+_SERIES = _series(9)
 
 
 def _change(slope: Callable[[FloatArray], FloatArray], x: FloatArray, ratio: float) -> FloatArray:

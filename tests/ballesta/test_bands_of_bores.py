@@ -127,7 +127,7 @@ def test_a_bore_that_carries_less_than_the_peak_widens_nothing():
     loaded = LoadedPart(design, part, loads)
     level = rung_level(loaded, shapes.model_of(part, loads))
     found = rung_estimates(loaded, level, None, lambda _: None)["static"].check
-    assert 0.0 < raised_in_bores(loaded, loads, level, None, {}) < found.value
+    assert 0.0 < raised_in_bores(loaded, level, None) < found.value
     assert "more in bores" not in found.note
 
 
@@ -139,5 +139,5 @@ def test_couples_out_of_the_plane_are_not_raised_in_a_rungs_bores():
     loaded = LoadedPart(design, part, loads)
     level = rung_level(loaded, shapes.model_of(part, loads))
     assert level.place(level.peak.point).startswith("first (")
-    raised = raised_in_bores(loaded, loads, level, None, {}) / level.peak.value
+    raised = raised_in_bores(loaded, level, None) / level.peak.value
     assert 1.0 < raised < 1.0 + 0.8 * BEYOND_ARCS

@@ -14,15 +14,14 @@ from checks.ladder.levels import first_level
 from checks.ladder.part_facts import assumed_of
 from checks.models import shapes
 from checks.models.checked import raised_in_bores, rung_estimates, rung_level
+from checks.part import pressed_along
 from checks.part.loaded_part import LoadedPart
 from checks.strength.part_strength import fatigue_use
-from checks.stress import pressed_along
 from checks.stress.beyond_even import beyond_even
 from checks.stress.error_bars import bars_of
 from checks.stress.judged import StaticPeak
 from checks.stress.kept_models import Models
 from checks.stress.pins_in_bores import fits_of
-from checks.stress.pressed_along import stack_in, uneven_bores
 from fem.contact.beds import Lug, RoundBar
 from fem.contact.bore import bore_harmonics
 from fem.contact.line_load import line_load
@@ -88,13 +87,13 @@ def test_a_bent_pin_presses_the_edges_of_an_eye_more_which_the_band_holds(bent):
 def test_models_without_contact_have_what_bent_pins_press_in_their_band_as_well(bent, tmp_path):
     """Without a fit a formula and a solid on arcs have as much more in the bore, for its check."""
     fitted, solved = bent
-    bound, edge = uneven_bores(fitted)["first"]
+    bound, edge = fitted.uneven["first"]
     assert edge == "edges"
     contact = max(beyond_even(what, solved).uneven / beyond_even(what, solved).even
                   for what in (StaticPeak(fitted.loads), fatigue_use(fitted)))  # fmt: skip
     assert contact < bound < 2.0  # solved contact has the mesh's own tilt and clearance
     loaded = rod(tmp_path, fits="")
-    uneven = uneven_bores(loaded)
+    uneven = loaded.uneven
     level = first_level(loaded, Models())
     for what in (StaticPeak(loaded.loads), fatigue_use(loaded)):
         even, raised = (bars_of(what, loaded.part, [level, level], 0.2, u) for u in ({}, uneven))
@@ -102,12 +101,12 @@ def test_models_without_contact_have_what_bent_pins_press_in_their_band_as_well(
         assert raised.above > even.above
         assert "times as much at the edges of first, as the pin bends" in raised.note
     by_formula = rung_level(loaded, shapes.model_of(loaded.part, loaded.loads))
-    found = [raised_in_bores(loaded, loaded.loads, by_formula, None, u) for u in ({}, uneven)]
+    found = [raised_in_bores(one, by_formula, None) for one in (replace(loaded, runs={}), loaded)]
     assert_allclose(found[1] / found[0], uneven["first"][0], rtol=0.02)
     estimate = rung_estimates(loaded, by_formula, None, lambda _: None)["static"].check
     assert "at the edges of first, as the pin bends" in estimate.note
     stated = replace(loaded, part=replace(loaded.part, arc_stated=True))
-    assert uneven_bores(stated) == uneven  # it says how the pin presses around, not along
+    assert stated.uneven == uneven  # it says how the pin presses around, not along
     even, raised = (bars_of(what, stated.part, [level, level], 0.2, u) for u in ({}, uneven))
     assert even.in_bores == 0.0
     assert raised.above > even.above
@@ -116,8 +115,9 @@ def test_models_without_contact_have_what_bent_pins_press_in_their_band_as_well(
 
 def test_a_pin_that_does_not_bend_presses_as_evenly_as_it_was_taken(tmp_path):
     """A pin a thousand times as stiff leaves a thousandth, and some for its harder surface."""
-    stack = stack_in(rod(tmp_path), "first")
+    stack = rod(tmp_path).stack("first")
     lugs, own = stack.lugs(0, 0.0)
+    lugs = pressed_along.under_one(lugs)
     found = {}
     for stiffer in (1.0, 1e3):
         bar = replace(stack.bar, youngs_modulus=stiffer * stack.bar.youngs_modulus)
@@ -128,8 +128,41 @@ def test_a_pin_that_does_not_bend_presses_as_evenly_as_it_was_taken(tmp_path):
     assert 0 < found[1e3][1] < 3e-3 * found[1.0][1]
 
 
+@pytest.mark.parametrize("clearance", [0.0, 0.02])
+def test_the_line_load_over_its_mean_stays_under_other_forces_and_is_known(tmp_path, clearance):
+    """Degree 1 in forces and clearances together: to round-off, lift-off and skew forces included.
+
+    So what a stack solves once is known under forces that are alike to four digits.
+    """
+    bar = RoundBar((-60.0, 60.0), (20.0,), 210e3, 0.3)
+    lugs = [Lug(low, low + width, force, 210e3, 0.3, tilt, clearance)
+            for low, width, force, tilt in (
+                (-40.0, 8.0, (1000.0, 900.0), 1e-9), (-25.0, 50.0, (-2000.0, -1800.0), 0.0),
+                (32.0, 8.0, (1000.0, 900.0), 1e-9))]  # fmt: skip
+    heavy = [replace(lug, force=(7 * lug.force[0], 7 * lug.force[1]), clearance=7 * clearance)
+             for lug in lugs]  # fmt: skip
+    own, other = (line_load(bar, some) for some in (lugs, heavy))
+    assert min(own.intensity(1)) == 0.0  # it lifts off
+    for k in range(3):
+        assert_allclose(other.intensity(k), 7 * own.intensity(k), rtol=1e-9, atol=1e-9)
+    loose = [replace(lug, clearance=clearance) for lug in heavy]
+    beside = shares_along(line_load(bar, loose), 1) - shares_along(own, 1)
+    assert np.abs(beside).max() < 1e-9 if not clearance else np.abs(beside).max() > 1e-3
+    assert_allclose([lug.size for lug in pressed_along.under_one(heavy)],
+                    [lug.size for lug in pressed_along.under_one(lugs)], rtol=1e-12)  # fmt: skip
+    alike = line_load(bar, pressed_along.under_one(lugs))
+    assert_allclose(shares_along(alike, 1), shares_along(own, 1), atol=1e-3)
+    stack = rod(tmp_path).stack("first")
+    before = stack.shares(0, 0.0)
+    solved = pressed_along._pressed.cache_info().misses
+    grown = {name: 1.7 * wrench for name, wrench in stack.loads.wrenches.items()}
+    again = replace(stack, loads=replace(stack.loads, wrenches=grown))
+    assert_allclose(again.shares(0, 0.0), before, rtol=1e-12)
+    assert pressed_along._pressed.cache_info().misses == solved
+
+
 def test_cheeks_farther_away_bend_the_pin_more(tmp_path):
-    shares = [stack_in(rod(tmp_path, at), "first").shares(0, 0.0)[1] for at in (8.0, 12.0, 20.0)]
+    shares = [rod(tmp_path, at).stack("first").shares(0, 0.0)[1] for at in (8.0, 12.0, 20.0)]
     assert 0 < shares[0] < shares[1] < shares[2]
 
 
@@ -138,7 +171,7 @@ def test_lugs_of_other_parts_tilt_as_they_like(tmp_path, monkeypatch):
     found = {}
     for free in (pressed_along._FREE, 10 * pressed_along._FREE, 0.0):
         monkeypatch.setattr(pressed_along, "_FREE", free)
-        found[free] = stack_in(rod(tmp_path), "first").shares(0, 0.0)[1]
+        found[free] = rod(tmp_path).stack("first").shares(0, 0.0)[1]
     own, freer, held = found.values()
     assert_allclose(freer, own, rtol=1e-3)
     assert held < 0.9 * own
@@ -146,9 +179,9 @@ def test_lugs_of_other_parts_tilt_as_they_like(tmp_path, monkeypatch):
 
 def test_lugs_on_one_side_and_pins_without_a_part_are_left_out(bent, tmp_path):
     loaded, _ = bent
-    assert stack_in(loaded, "second") is None
+    assert loaded.stack("second") is None
     one_sided = STACK.replace('width = "6 mm"', 'width = "6 mm", single = true')
-    assert stack_in(rod(tmp_path, stack=one_sided), "first") is None
+    assert rod(tmp_path, stack=one_sided).stack("first") is None
 
 
 def bushed(folder, material="", **changed):

@@ -76,7 +76,7 @@ def threshold_for(length):
 
 def loaded(part, loads):
     duty = SimpleNamespace(cycles=DUTY)
-    return SimpleNamespace(part=part, loads=loads, duty=duty, accuracy=0.05, runs={})
+    return SimpleNamespace(part=part, loads=loads, duty=duty, accuracy=0.05, runs={}, uneven={})
 
 
 def made(judged, limit):

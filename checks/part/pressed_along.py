@@ -6,20 +6,19 @@ fit and other lugs free to tilt, which bend it most; the part's own cheeks tilt 
 The judged stress under that pressure is the model band's. Pins with lugs on one side are left out.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
 
 from checks.design.data import Design, Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
-from checks.part.loaded_part import LoadedPart
-from checks.part.part_loads import PartLoads, loads_on
+from checks.part.part_loads import PartLoads, Runs, loads_on
 from fem.contact.beds import Lug, RoundBar
 from fem.contact.condensed import ContactError
 from fem.contact.cylinder_waves import Lining
-from fem.contact.line_load import line_load
+from fem.contact.line_load import LineLoad, line_load
 from fem.contact.uneven import shares_along
 from geometry.mesh import FloatArray
 from geometry.parts import Pin
@@ -35,17 +34,18 @@ _NOTHING = 1e-6  # of the largest force in a stack: a lug that carries none
 class Stack:
     """A pin in its stack, as one bore of a part meets it.
 
-    loaded     the part
+    design     the machine
     pin        the part that is the pin
+    loads      on the pin
     bore       name of the body whose lugs are the part's
     clearance  mm on diameter, of all lugs
     """
 
-    loaded: LoadedPart
+    design: Design
     pin: Part
+    loads: PartLoads
     bore: str
     clearance: float
-    _known: dict[tuple[int, float], FloatArray | None] = field(default_factory=dict)
 
     @property
     def shape(self) -> Pin:
@@ -78,21 +78,12 @@ class Stack:
             tuple(cuts), tuple(diameters), material.youngs_modulus, material.poisson_ratio
         )
 
-    @cached_property
-    def _loads(self) -> PartLoads:
-        return loads_on(self.loaded.design, self.pin, self.loaded.runs)
-
-    @property
-    def fits_positions(self) -> bool:
-        """True if the pin's loads are known at the part's positions."""
-        return self._loads.labels == self.loaded.loads.labels
-
     def lugs(self, position: int, tilt: float) -> tuple[list[Lug], int]:
         """Lugs that carry a force, and which of them is the part's: the upper one of a pair.
 
         tilt  rad/(N mm), of the part's own lugs
         """
-        wrenches = {name: w[position, :2] for name, w in self._loads.wrenches.items()}
+        wrenches = {name: w[position, :2] for name, w in self.loads.wrenches.items()}
         largest = max(float(np.hypot(*force)) for force in wrenches.values())
         found: list[Lug] = []
         own = -1
@@ -102,7 +93,7 @@ class Stack:
                 continue
             if seat.name == self.bore:
                 own = len(found)
-            body = self.loaded.design.part_of(seat.name)
+            body = self.design.part_of(seat.name)
             material = (body or self.pin).material
             free = _FREE * 12 / (material.youngs_modulus * (high - low) ** 3)
             way = tilt if seat.name == self.bore else free
@@ -115,7 +106,7 @@ class Stack:
                     material.poisson_ratio,
                     way if seat.paired else 0.0,
                     self.clearance,
-                    lining_in(self.loaded.design, self.pin, seat.name),
+                    lining_in(self.design, self.pin, seat.name),
                 )
             )
         return found, own
@@ -127,17 +118,34 @@ class Stack:
         elements and tests have it; None where the lug carries nothing. Raises ContactError where
         the pin's forces are not in balance.
         """
-        if (position, tilt) not in self._known:
-            lugs, own = self.lugs(position, tilt)
-            found = _shares(self.bar, tuple(lugs), own) if own >= 0 else None
-            self._known[position, tilt] = found
-        return self._known[position, tilt]
+        lugs, own = self.lugs(position, tilt)
+        if own < 0:
+            return None
+        alike = under_one(lugs)
+        held = tuple(replace(lug, tilt=0.0) for lug in alike)  # as a straight pin has them anyway
+        bent, straight = _pressed(self.bar, alike, True), _pressed(self.bar, held, False)
+        return shares_along(bent, own) - shares_along(straight, own)
 
 
-@lru_cache(maxsize=64)
-def _shares(bar: RoundBar, lugs: tuple[Lug, ...], own: int) -> FloatArray:
-    bent, straight = (line_load(bar, lugs, bends=bends) for bends in (True, False))
-    return shares_along(bent, own) - shares_along(straight, own)
+def under_one(lugs: Sequence[Lug]) -> tuple[Lug, ...]:
+    """The lugs with forces over the largest, of four digits, and clearances over that force.
+
+    The line load over its mean is the same: nothing pulls and no gap opens along the pin, so it
+    grows with the forces; around, it has the clearance over the force alone.
+    """
+    largest = max(lug.size for lug in lugs)
+    found = []
+    for lug in lugs:
+        size = float(f"{lug.size / largest:.4g}")
+        x, y = (size * round(part / lug.size, 4) for part in lug.force)
+        found.append(replace(lug, force=(x, y), clearance=lug.clearance / largest))
+    return tuple(found)
+
+
+@lru_cache(maxsize=256)
+def _pressed(bar: RoundBar, lugs: tuple[Lug, ...], bends: bool) -> LineLoad:
+    """Variations of a design that leave the pin, its lugs and their shares alike solve nothing."""
+    return line_load(bar, lugs, bends=bends)
 
 
 def lining_in(design: Design, pin: Part, lug: str) -> Lining | None:
@@ -159,28 +167,34 @@ def lining_in(design: Design, pin: Part, lug: str) -> Lining | None:
     return None
 
 
-def stack_in(loaded: LoadedPart, interface: str, clearance: float = 0.0) -> Stack | None:
+def stack_in(
+    design: Design, part: Part, loads: PartLoads, runs: Runs, interface: str, clearance: float
+) -> Stack | None:
     """The stack of the pin in a bore; None where the design has none, or lugs on one side.
 
+    loads      of the part; None as well where the pin's are not known at its positions
     clearance  mm on diameter, with which the pin bends
     """
-    part = loaded.part
     joint = part.interfaces.get(interface)
-    if joint is None or part.body is None or not loaded.runs:
+    if joint is None or part.body is None or not runs:
         return None
-    for pin in loaded.design.parts.values():
+    for pin in design.parts.values():
         shape = as_pin(pin.geometry)
         if pin.joint != joint or shape is None:
             continue
         names = [seat.name for seat in shape.seats]
         even = all(seat.paired or seat.at == 0.0 for seat in shape.seats)
         if even and len(names) > 1 and part.body in names:
-            found = Stack(loaded, pin, part.body, clearance)
-            return found if found.fits_positions else None
+            of_pin = loads_on(design, pin, runs)
+            if of_pin.labels != loads.labels:
+                return None
+            return Stack(design, pin, of_pin, part.body, clearance)
     return None
 
 
-def uneven_bores(loaded: LoadedPart) -> Mapping[str, tuple[float, str]]:
+def uneven_bores(
+    design: Design, part: Part, loads: PartLoads, runs: Runs
+) -> Mapping[str, tuple[float, str]]:
     """By bore, how much more a bent pin presses at the most than on average, and at which edge.
 
     Of bores whose pin's stack is known, where the force is largest, without clearance and with lugs
@@ -188,8 +202,8 @@ def uneven_bores(loaded: LoadedPart) -> Mapping[str, tuple[float, str]]:
     left out. A `bearing_arc` states how the pin presses around, not along.
     """
     found = {}
-    for name, wrenches in loaded.loads.wrenches.items():
-        stack = stack_in(loaded, name)
+    for name, wrenches in loads.wrenches.items():
+        stack = stack_in(design, part, loads, runs, name, 0.0)
         if stack is None:
             continue
         forces = np.hypot(wrenches[:, 0], wrenches[:, 1])
