@@ -296,27 +296,6 @@ def loads(
 
 
 @app.command()
-def ladder(
-    design: OneDesign,
-    part: Annotated[
-        str | None, typer.Option("--part", metavar="NAME", help="only this part; else all")
-    ] = None,
-    out: Out = Path("out"),
-    json: Json = False,
-    overrides: Overrides = None,
-) -> None:
-    """Try every model on every part: value and error bar against seconds; what auto chooses.
-
-    Writes OUT/DESIGN/ladder.html with a chart of every part.
-
-    Exit code 0: finished, whatever the checks say; 2: an input is wrong; 3: the numerics gave up.
-    """
-    from ballesta.commands.ladder_command import Wanted, run_ladder
-
-    raise typer.Exit(run_ladder(design, Wanted(part, out, json), overrides or []))
-
-
-@app.command()
 def diff(
     before: Annotated[
         Path, typer.Argument(metavar="A", help="a design file, a result.json or a folder of a run")
