@@ -154,11 +154,10 @@ def batch(
     ] = None,
     sample: Annotated[
         int | None,
-        typer.Option("--sample", metavar="N", help="sample N points of the sweeps, not their grid"),
+        typer.Option(
+            "--sample", metavar="N", help="N points of a Sobol sequence, not the sweeps' grid"
+        ),
     ] = None,
-    sobol: Annotated[
-        bool, typer.Option("--sobol", help="sample by a Sobol sequence, the only way so far")
-    ] = True,
     seed: Annotated[int, typer.Option("--seed", help="seed of the sample")] = 0,
     until: Annotated[
         str | None,
@@ -293,27 +292,6 @@ def loads(
 
     wanted = Wanted(csv, plot, tuple(cycle or ()), out, json)
     raise typer.Exit(run_loads(design, wanted, overrides or []))
-
-
-@app.command()
-def ladder(
-    design: OneDesign,
-    part: Annotated[
-        str | None, typer.Option("--part", metavar="NAME", help="only this part; else all")
-    ] = None,
-    out: Out = Path("out"),
-    json: Json = False,
-    overrides: Overrides = None,
-) -> None:
-    """Try every model on every part: value and error bar against seconds; what auto chooses.
-
-    Writes OUT/DESIGN/ladder.html with a chart of every part.
-
-    Exit code 0: finished, whatever the checks say; 2: an input is wrong; 3: the numerics gave up.
-    """
-    from ballesta.commands.ladder_command import Wanted, run_ladder
-
-    raise typer.Exit(run_ladder(design, Wanted(part, out, json), overrides or []))
 
 
 @app.command()
@@ -454,7 +432,6 @@ def export(
     at: Annotated[
         str, typer.Option("--at", metavar="POSITION", help="worst, or a position as shown")
     ] = "worst",
-    inp: Annotated[bool, typer.Option("--inp", help="write an input deck of CalculiX")] = True,
     pvd: Annotated[
         bool, typer.Option("--pvd", help="instead write the volume at every position for ParaView")
     ] = False,
@@ -518,14 +495,6 @@ def schema(
         from ballesta.design.schema import design_schema as wanted
 
     print(json_module.dumps(wanted(), indent=2))
-
-
-@app.command()
-def version() -> None:
-    """Print the version."""
-    from importlib.metadata import version as installed
-
-    print(installed("ballesta"))
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -26,7 +26,6 @@ from ballesta.machine.quasi_static import assumptions_of, quasi_static_gates
 from ballesta.machine.runs import MachineDoubts, MachineRuns, doubts_of, run_machine
 from ballesta.machine.validity_checks import load_gates
 from ballesta.machine.warnings_of import (
-    claim_warnings,
     design_warnings,
     solver_warnings,
     unloaded_warnings,
@@ -280,7 +279,6 @@ def _warnings_of_parts(design: Design, results: Sequence[PartResult]) -> list[st
         *time_warnings(results),
         *solver_warnings(results),
         *undrawn_warnings(results),
-        *claim_warnings(design, results),
         *unloaded_warnings(results),
     ]
 

@@ -17,7 +17,7 @@ from geometry.progress import Order
 
 STOPPED, GAVE_UP = 130, 3  # exit codes: of an interrupt as shells report it; of numerics
 _CHILD = "ballesta.supervised:run"  # its function
-_LONG = frozenset(("check", "loads", "ladder", "diff", "why", "show", "plan", "export"))
+_LONG = frozenset(("check", "loads", "diff", "why", "show", "plan", "export"))
 _LOOK_EVERY = 0.1  # s
 _TELL_EVERY = 5.0  # s, where progress is lines
 _GRACE = 2.0  # s after a time limit, in which the command has ended

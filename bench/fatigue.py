@@ -200,13 +200,12 @@ def pylife() -> dict[str, Any]:
     from pylife.strength.meanstress import HaighDiagram
     from pylife.stress.collective import LoadCollective
 
-    from fatigue import MeanStressMaterial, SNCurve, equivalent_amplitude, miner_damage
+    from fatigue import SNCurve, fkm_factor, miner_damage
 
     rng = np.random.default_rng(0)
     shape = (POINTS, CYCLES)
     amplitude, counts = rng.uniform(20.0, 300.0, shape), rng.uniform(1.0, 1e5, shape)
     mean = amplitude * rng.uniform(-3.0, 3.0, shape)
-    material = MeanStressMaterial(900.0, 700.0, mean_stress_sensitivity=0.3)
     curve = SNCurve(120.0, 2e6, 5.0).below_knee("haibach")
     table = pd.DataFrame(
         {"range": 2.0 * amplitude.ravel(), "mean": mean.ravel(), "cycles": counts.ravel()}
@@ -215,8 +214,7 @@ def pylife() -> dict[str, Any]:
     strength = Fatigue(pd.Series({"SD": 120.0, "ND": 2e6, "k_1": 5.0, "k_2": 9.0}))
 
     def ours() -> Any:
-        reversed_amplitude = equivalent_amplitude(amplitude, mean, material, "fkm", credit=True)
-        return miner_damage(reversed_amplitude, counts, curve)
+        return miner_damage(amplitude / fkm_factor(amplitude, mean, 0.3), counts, curve)
 
     def theirs() -> Any:
         damage = strength.damage(LoadCollective(diagram.transform(table, -1.0)))

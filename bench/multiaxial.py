@@ -11,10 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from fatigue import compared_criteria, critical_plane, findley_criterion, goodman
+from fatigue import critical_plane, findley_criterion, goodman
 from tests.fatigue.multiaxial_cases import (
     BENDING_LIMIT,
-    CRITERIA,
     NISHIHARA_KAWAMOTO,
     TORSION_LIMIT,
     BendingTorsion,
@@ -22,10 +21,10 @@ from tests.fatigue.multiaxial_cases import (
 )
 
 PLOT = Path(__file__).parent.parent / "docs" / "validation" / "multiaxial.svg"
-COLUMNS = ("Goodman", *CRITERIA)
+COLUMNS = ("Goodman", "Findley")
 
 
-def predicted(test: BendingTorsion) -> tuple[float, ...]:
+def predicted(test: BendingTorsion) -> tuple[float, float]:
     """Each criterion of COLUMNS over its limit at the stated amplitudes; above 1 is safe.
 
     The stated amplitudes are at the measured limit, so the predicted limit over the measured one is
@@ -37,8 +36,7 @@ def predicted(test: BendingTorsion) -> tuple[float, ...]:
     plane = critical_plane(stress, findley.k).value / (findley.limit_ratio * BENDING_LIMIT)
     # no mean in these tests: any ultimate strength gives the same, as long as it is finite
     chord = goodman(np.eye(6)[None], stress, BENDING_LIMIT, 1e12).utilisation[0]
-    others = compared_criteria(stress, BENDING_LIMIT, TORSION_LIMIT)
-    return (float(chord), plane, others.dang_van, others.crossland, others.papadopoulos)
+    return float(chord), plane
 
 
 def table() -> str:
@@ -81,8 +79,8 @@ def draw(path: Path) -> None:
         figure, axes = plt.subplots(figsize=(6.4, 3.6), layout="constrained")
         places = np.arange(len(NISHIHARA_KAWAMOTO))
         values = np.array([predicted(test) for test in NISHIHARA_KAWAMOTO])
-        for number, (name, mark) in enumerate(zip(COLUMNS, "xosD^", strict=True)):
-            shift = 0.12 * (number - 2)
+        for number, (name, mark) in enumerate(zip(COLUMNS, "xo", strict=True)):
+            shift = 0.12 * (number - 0.5)
             hollow = {} if mark == "x" else {"markerfacecolor": "none"}
             axes.plot(places + shift, values[:, number], mark, label=name, **hollow)
         axes.axhline(1.0, color="0.4", linewidth=0.8)

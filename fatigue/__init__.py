@@ -3,16 +3,26 @@
 from fatigue.fkm import (
     CAST_ROUGHNESS,
     FKM_GROUPS,
+    FKM_SENSITIVITIES,
     ComponentLimit,
     FkmGroup,
     FkmMaterial,
     component_limit,
     fkm_curve,
+    fkm_factor,
+    fkm_sensitivity,
     fkm_utilisation,
     roughness_factor,
     stieler_support,
 )
-from fatigue.goodman import ChordPath, FatigueResult, chord_path, goodman, goodman_utilisation
+from fatigue.goodman import (
+    ChordPath,
+    FatigueResult,
+    chord_path,
+    equivalent_amplitude,
+    goodman,
+    goodman_utilisation,
+)
 from fatigue.life import (
     Cycles,
     LifeVerdict,
@@ -27,20 +37,9 @@ from fatigue.marin import (
     rectangle_equivalent_diameter,
     round_equivalent_diameter,
 )
-from fatigue.mean_stress import (
-    FKM_SENSITIVITIES,
-    RULES,
-    MeanStressMaterial,
-    equivalent_amplitude,
-    fkm_factor,
-    fkm_sensitivity,
-    mean_stress_band,
-    mean_stress_utilisation,
-    yield_utilisation,
-)
-from fatigue.proportionality import ComparedCriteria, PathBounds, compared_criteria, path_bounds
+from fatigue.proportionality import PathBounds, path_bounds
 from fatigue.shear_planes import CriticalPlane, FindleyCriterion, critical_plane, findley_criterion
-from fatigue.smallest_circle import smallest_ball, smallest_circles
+from fatigue.smallest_circle import smallest_circles
 from fatigue.sn_curve import SNCurve, basquin_curve, low_cycle_fraction
 from fatigue.stress_path import COMPONENTS, principal_stresses, von_mises, von_mises_peaks
 from fatigue.verdict import Verdict, ductile_verdict
@@ -50,9 +49,7 @@ __all__ = [
     "COMPONENTS",
     "FKM_GROUPS",
     "FKM_SENSITIVITIES",
-    "RULES",
     "ChordPath",
-    "ComparedCriteria",
     "ComponentLimit",
     "CriticalPlane",
     "Cycles",
@@ -62,13 +59,11 @@ __all__ = [
     "FkmGroup",
     "FkmMaterial",
     "LifeVerdict",
-    "MeanStressMaterial",
     "PathBounds",
     "SNCurve",
     "Verdict",
     "basquin_curve",
     "chord_path",
-    "compared_criteria",
     "component_limit",
     "count_closed_cycles",
     "critical_plane",
@@ -85,18 +80,14 @@ __all__ = [
     "goodman_utilisation",
     "life_verdict",
     "low_cycle_fraction",
-    "mean_stress_band",
-    "mean_stress_utilisation",
     "miner_damage",
     "path_bounds",
     "principal_stresses",
     "rectangle_equivalent_diameter",
     "roughness_factor",
     "round_equivalent_diameter",
-    "smallest_ball",
     "smallest_circles",
     "stieler_support",
     "von_mises",
     "von_mises_peaks",
-    "yield_utilisation",
 ]

@@ -33,9 +33,8 @@ from typing import NoReturn
 import numpy as np
 import numpy.typing as npt
 
-from fatigue.mean_stress import MeanStressMaterial, fkm_sensitivity, mean_stress_utilisation
 from fatigue.sn_curve import SNCurve
-from fatigue.stress_path import FloatArray, refuse
+from fatigue.stress_path import FloatArray, checked_cycles, refuse
 
 STEEPEST = 100.0  # 1/mm, the end of Stieler's law; what is steeper counts as this
 
@@ -44,6 +43,18 @@ KNEE_CYCLES = 1e6
 SLOPE = 5.0  # of the component S-N curve of normal stress, section 4.4.3
 _SLOPE_BELOW = 15.0  # of aluminium and austenite, to 1e8 cycles
 CAST_ROUGHNESS = 200.0  # micrometres: rolling, forging and casting skin
+
+
+# a_M and b_M of M = a_M Rm/1000 + b_M, Rm in MPa: FKM guideline, 6th ed., chapter 4.4.
+FKM_SENSITIVITIES = {
+    "steel": (0.35, -0.1),
+    "cast_steel": (0.35, 0.05),
+    "nodular_iron": (0.35, 0.08),
+    "malleable_iron": (0.35, 0.13),
+    "grey_iron": (0.0, 0.5),
+    "wrought_aluminium": (1.0, -0.04),
+    "cast_aluminium": (1.0, 0.2),
+}
 
 
 @dataclass(frozen=True)
@@ -162,19 +173,64 @@ def roughness_factor(roughness: float, ultimate_strength: float, group: str = "s
 
 
 def fkm_utilisation(
-    amplitude: npt.ArrayLike,
-    mean: npt.ArrayLike,
-    limit: ComponentLimit,
-    *,
-    credit: bool = False,
+    amplitude: npt.ArrayLike, mean: npt.ArrayLike, limit: ComponentLimit
 ) -> FloatArray:
     """Return sigma_a / sigma_AK of local stresses in MPa, at constant R (overload case F2).
 
-    A compressive mean counts as 0; with `credit` it helps as the guideline allows.
+    A compressive mean counts as 0, which the guideline would credit.
     """
     _check(limit)
-    material = MeanStressMaterial(1.0, 1.0, mean_stress_sensitivity=limit.sensitivity)
-    return mean_stress_utilisation(amplitude, mean, limit.limit, material, "fkm", credit=credit)
+    amplitude, mean = checked_cycles(amplitude, mean)
+    growth = _fkm_growth(amplitude, np.maximum(mean, 0.0), limit.sensitivity)
+    return np.asarray(amplitude * growth / limit.limit)
+
+
+def fkm_sensitivity(ultimate_strength: float, group: str = "steel") -> float:
+    """Return M = a_M Rm/1000 + b_M, not below 0, of one of FKM_SENSITIVITIES, for normal stress.
+
+    >>> round(fkm_sensitivity(1200.0), 5)
+    0.32
+    """
+    if not (isfinite(ultimate_strength) and ultimate_strength > 0.0):
+        raise ValueError(f"the ultimate strength must be above 0 MPa, got {ultimate_strength:g}")
+    if group not in FKM_SENSITIVITIES:
+        raise ValueError(
+            f"material group {group!r} is unknown; one of {', '.join(FKM_SENSITIVITIES)}"
+        )
+    slope, offset = FKM_SENSITIVITIES[group]
+    return max(0.0, slope * ultimate_strength / 1000.0 + offset)
+
+
+def fkm_factor(amplitude: npt.ArrayLike, mean: npt.ArrayLike, sensitivity: float) -> FloatArray:
+    """Return K_AK: the amplitude endured at this stress ratio over that at R = -1.
+
+    R > 1          1/(1 - M)
+    R <= 0         1/(1 + M s_m/s_a)
+    0 < R < 0.5    (1 + M/3)/(1 + M) / (1 + M/3 s_m/s_a)
+    R >= 0.5       (3 + M)/(3 (1 + M)**2)
+
+    FKM guideline, 6th ed., chapter 4.4, overload case F2 (constant R). The guideline credits
+    compression, and so does this. Constant stress (s_a = 0) counts as R >= 0.5 in tension, R > 1
+    in compression, and R = -1 at s_m = 0.
+    """
+    if not 0.0 <= sensitivity < 1.0:
+        raise ValueError(
+            f"the mean stress sensitivity must be at least 0 and below 1, got {sensitivity:g}"
+        )
+    amplitude, mean = checked_cycles(amplitude, mean)
+    return np.asarray(1.0 / _fkm_growth(amplitude, mean, sensitivity))
+
+
+def _fkm_growth(amplitude: FloatArray, mean: FloatArray, sensitivity: float) -> FloatArray:
+    """Return 1/K_AK: one line up to s_m = s_a, then one with a third of its slope up to 3 s_a."""
+    third = sensitivity / 3.0
+    ratio = np.asarray(4.0 * np.sign(mean))  # constant stress: any ratio beyond 3 stands for it
+    # a ratio that overflows is beyond 3 too
+    with np.errstate(over="ignore"):
+        np.divide(mean, amplitude, out=ratio, where=amplitude > 0.0)
+    growth = 1.0 + sensitivity * np.clip(ratio, -1.0, 1.0)
+    growth *= 1.0 + third * np.clip(ratio, 1.0, 3.0)
+    return np.asarray(growth / (1.0 + third))
 
 
 def fkm_curve(limit: ComponentLimit) -> SNCurve:
@@ -185,7 +241,7 @@ def fkm_curve(limit: ComponentLimit) -> SNCurve:
     """
     _check(limit)
     below = float("inf") if limit.endures else _SLOPE_BELOW
-    return SNCurve(limit.limit, KNEE_CYCLES, SLOPE, slope_below=below, survival=SURVIVAL)
+    return SNCurve(limit.limit, KNEE_CYCLES, SLOPE, slope_below=below)
 
 
 def _check(limit: ComponentLimit) -> None:

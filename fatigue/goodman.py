@@ -26,6 +26,7 @@ from fatigue.stress_path import (
     FloatArray,
     IntArray,
     check_history,
+    checked_cycles,
     deviatoric_basis,
     point_blocks,
     principal_stresses,
@@ -115,6 +116,24 @@ def goodman_utilisation(
     check_strengths(endurance_limit, ultimate_strength)
     demand = np.asarray(amplitude, dtype=np.float64) / np.asarray(endurance_limit)
     return np.asarray(demand + np.maximum(mean, 0.0) / ultimate_strength)
+
+
+def equivalent_amplitude(
+    amplitude: npt.ArrayLike, mean: npt.ArrayLike, ultimate_strength: float
+) -> FloatArray:
+    """Return s_a / (1 - s_m/S_u), MPa: the fully reversed amplitude of equal life, of any shape.
+
+    Shigley, 9th ed., eq. 6-46. A mean below 0 counts as 0; where it reaches the ultimate strength
+    nothing is endured and the amplitude is infinite, with any s_a.
+
+    >>> equivalent_amplitude(100.0, [0.0, 200.0, -50.0], 800.0).round(2).tolist()
+    [100.0, 133.33, 100.0]
+    """
+    amplitude, mean = checked_cycles(amplitude, mean)
+    left = 1.0 - np.maximum(mean, 0.0) / ultimate_strength
+    reversed_amplitude = np.full(amplitude.shape, np.inf)
+    np.divide(amplitude, left, out=reversed_amplitude, where=left > 0.0)
+    return reversed_amplitude
 
 
 def check_strengths(endurance_limit: npt.ArrayLike, ultimate_strength: float) -> None:

@@ -37,12 +37,7 @@ import numpy as np
 import numpy.typing as npt
 import rainflow  # type: ignore[import-untyped]
 
-from fatigue.mean_stress import (
-    MeanStressMaterial,
-    Rule,
-    equivalent_amplitude,
-    mean_stress_utilisation,
-)
+from fatigue.goodman import equivalent_amplitude, goodman_utilisation
 from fatigue.sn_curve import SNCurve
 from fatigue.stress_path import FloatArray, point_blocks, refuse
 
@@ -159,12 +154,11 @@ def miner_damage(
 def life_verdict(
     duty: Cycles,
     curve: SNCurve,
-    material: MeanStressMaterial,
-    rule: Rule = "goodman",
+    ultimate_strength: float,
     *,
     allowed_damage: float = 1.0,
 ) -> LifeVerdict:
-    """Return damage, life and safety of every point under a duty.
+    """Return damage, life and safety of every point under a duty, mean stress by Goodman.
 
     The safety scales amplitudes and means together, as the loads do. On a curve with an endurance
     limit (Miner original) damage jumps where a cycle reaches it: the safety then is the largest
@@ -178,13 +172,13 @@ def life_verdict(
 
     def damage_at(factor: FloatArray) -> FloatArray:
         scaled = equivalent_amplitude(
-            factor[:, None] * amplitude, factor[:, None] * mean, material, rule
+            factor[:, None] * amplitude, factor[:, None] * mean, ultimate_strength
         )
         return miner_damage(scaled, counts, curve)
 
     knee = np.asarray(curve.knee_amplitude, dtype=np.float64)
-    utilisation = mean_stress_utilisation(
-        amplitude, mean, knee[:, None] if knee.ndim else knee, material, rule
+    utilisation = goodman_utilisation(
+        amplitude, mean, knee[:, None] if knee.ndim else knee, ultimate_strength
     )
     worst = np.where(counts > 0.0, utilisation, 0.0).max(axis=1)
     n_points = len(worst)

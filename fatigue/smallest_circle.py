@@ -1,20 +1,18 @@
-"""The smallest circle around a plane path and the smallest ball around a path in any dimension.
+"""The smallest circle around a plane path.
 
 The shear amplitude on a plane is the radius of the smallest circle around the path of the resolved
 shear stress (Bernasconi and Papadopoulos, Comput. Mater. Sci. 34 (2005) 355), not half its longest
 chord: around an equilateral triangle the two differ by 2/sqrt(3) (Jung).
 
-Method, exact up to round-off: a few positions carry the circle (2 or 3; in d dimensions up to
-d + 1). Whatever position lies farthest outside the circle of the carriers joins them; the circle
-of the enlarged set, found by trying all of its subsets, has a larger radius, so no set comes twice
-and the search ends (an LP-type problem: Sharir and Welzl 1992). A candidate's worth is the distance
-of the farthest member of the set from its centre; the smallest circle is the least of these, so
-degenerate candidates (equal or collinear positions) lose without a test for them.
+Method, exact up to round-off: 2 or 3 positions carry the circle. Whatever position lies farthest
+outside the circle of the carriers joins them; the circle of the enlarged set, found by trying all
+of its subsets, has a larger radius, so no set comes twice and the search ends (an LP-type problem:
+Sharir and Welzl 1992). A candidate's worth is the distance of the farthest member of the set from
+its centre; the smallest circle is the least of these, so degenerate candidates (equal or collinear
+positions) lose without a test for them.
 """
 
 from __future__ import annotations
-
-from itertools import combinations
 
 import numpy as np
 
@@ -100,54 +98,3 @@ def _squared_distances(paths: FloatArray, points: FloatArray) -> FloatArray:
     across *= across
     away += across
     return away
-
-
-def smallest_ball(path: FloatArray) -> tuple[FloatArray, float]:
-    """Return centre (d,) and radius of the smallest ball around a path (d, n_positions).
-
-    >>> centre, radius = smallest_ball(np.array([[0.0, 6.0, 3.0], [0.0, 0.0, 1.0], [0.0] * 3]))
-    >>> centre.tolist(), radius
-    ([3.0, 0.0, 0.0], 3.0)
-    """
-    points = np.ascontiguousarray(path.T)
-    middle = (points.max(axis=0) + points.min(axis=0)) / 2.0
-    carriers = [int(((points - middle) ** 2).sum(axis=1).argmax())]
-    centre, within = points[carriers[0]], 0.0
-    for _ in range(_MOST_STEPS):
-        distances = ((points - centre) ** 2).sum(axis=1)
-        farthest = int(distances.argmax())
-        if distances[farthest] <= within * (1.0 + 2.0 * _OUTSIDE):
-            break
-        found, worth, chosen = _ball_of_few(points, carriers, farthest)
-        if worth <= within:  # only round-off is left
-            break
-        centre, within, carriers = found, worth, chosen
-    else:
-        raise AssertionError("the smallest ball did not settle")
-    return centre, float(np.sqrt(((points - centre) ** 2).sum(axis=1).max()))
-
-
-def _ball_of_few(
-    points: FloatArray, carriers: list[int], newcomer: int
-) -> tuple[FloatArray, float, list[int]]:
-    """Return centre, squared radius and carriers of the ball around carriers and newcomer.
-
-    The newcomer lies outside the ball of the carriers, so it is a carrier of the new one. The
-    centre of the sphere through m points, in their span, is x_0 + E^T a with 2 E E^T a = |e_i|^2.
-    """
-    members = points[[*carriers, newcomer]]
-    base = points[newcomer]
-    best: tuple[FloatArray, float, list[int]] = (base, np.inf, [newcomer])
-    for size in range(1, min(len(carriers), points.shape[1]) + 1):
-        subsets = np.array(list(combinations(carriers, size)))
-        edges = points[subsets] - base
-        gram = edges @ np.swapaxes(edges, 1, 2)
-        lengths = np.einsum("sij,sij->si", edges, edges)
-        shares = (np.linalg.pinv(gram, hermitian=True) @ lengths[:, :, None] / 2.0)[:, :, 0]
-        centres = base + np.einsum("si,sij->sj", shares, edges)
-        worth = ((members[None] - centres[:, None]) ** 2).sum(axis=2).max(axis=1)
-        least = int(worth.argmin())
-        if worth[least] < best[1]:
-            chosen = [int(i) for i in subsets[least]]
-            best = (centres[least], float(worth[least]), [*chosen, newcomer])
-    return best

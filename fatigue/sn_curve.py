@@ -25,13 +25,12 @@ LOW_CYCLE = 1e3  # cycles, where Shigley's high-cycle line begins
 
 @dataclass(frozen=True, eq=False)
 class SNCurve:
-    """Cycles endured over fully reversed stress amplitude, at one probability of survival.
+    """Cycles endured over fully reversed stress amplitude.
 
     knee_amplitude     MPa   S_D
     knee_cycles              N_D
     slope                    k above the knee
     slope_below              k' below the knee, not less than k; infinite: endured without end
-    survival                 the share of parts that survive the curve
     ultimate_strength  MPa   if given, the curve bends at 1e3 cycles to reach it in the first cycle
 
     The knee and the slopes may be arrays (n_points,); the last axis of amplitudes then counts the
@@ -46,7 +45,6 @@ class SNCurve:
     knee_cycles: float | FloatArray
     slope: float | FloatArray
     slope_below: float | FloatArray = float("inf")
-    survival: float = 0.5
     ultimate_strength: float | None = None
 
     def __post_init__(self) -> None:
@@ -63,7 +61,6 @@ class SNCurve:
         problem = "the slope below the knee of an S-N curve must not be less than that above"
         bad = ~(below >= np.asarray(self.slope))
         refuse(bad, problem, np.broadcast_to(below, bad.shape), "point")
-        _check_survival(self.survival)
         strength = self.ultimate_strength
         if strength is not None and not (isfinite(strength) and strength > 0.0):
             raise ValueError(f"the ultimate strength must be above 0 MPa, got {strength:g}")
@@ -158,8 +155,3 @@ def _column(value: float | FloatArray) -> FloatArray:
     """Return a number per point as a column, so that it goes with (n_points, n_cycles)."""
     value = np.asarray(value, dtype=np.float64)
     return value[:, None] if value.ndim == 1 else value
-
-
-def _check_survival(survival: float) -> None:
-    if not 0.0 < survival < 1.0:
-        raise ValueError(f"the survival probability must lie between 0 and 1, got {survival:g}")

@@ -177,3 +177,14 @@ def refuse(
         f"{problem}: {values[tuple(place)]:g}"
         + (f" at {where} ({bad.sum()} of {bad.size})" if place else "")
     )
+
+
+def checked_cycles(amplitude: npt.ArrayLike, mean: npt.ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Return amplitudes and means, MPa, as floats of one shape; ValueError names a bad cycle."""
+    amplitude = np.asarray(amplitude, dtype=np.float64)
+    mean = np.asarray(mean, dtype=np.float64)
+    refuse(~np.isfinite(amplitude), "the amplitude is not finite", amplitude)
+    refuse(~np.isfinite(mean), "the mean stress is not finite", mean)
+    refuse(amplitude < 0.0, "the amplitude, half the range, is below 0 MPa", amplitude)
+    amplitude, mean = np.broadcast_arrays(amplitude, mean)
+    return amplitude, mean

@@ -15,20 +15,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
 
 from fatigue.goodman import FatigueResult, check_strengths, goodman, goodman_utilisation
 from fatigue.plane_bounds import coarse_path, plane_bounds
-from fatigue.proportionality import (
-    PROPORTIONAL,
-    ComparedCriteria,
-    PathBounds,
-    compared_criteria,
-    path_bounds,
-)
+from fatigue.proportionality import PROPORTIONAL, PathBounds, path_bounds
 from fatigue.shear_planes import DUCTILE, CriticalPlane, critical_plane, findley_criterion
 from fatigue.stress_path import FloatArray, IntArray, check_history
 
@@ -50,8 +43,6 @@ class Verdict:
     plane              Findley's plane at the critical point, None if the path is proportional
                        there, or if Goodman decides and the verdict was asked for less
     n_searched         points whose planes were looked at
-    path               (6, n_positions)  MPa, stress of the critical point
-    reversed_limits    MPa, its limits in reversed bending and torsion
     """
 
     goodman: FatigueResult
@@ -62,8 +53,6 @@ class Verdict:
     plane_bound: FloatArray
     plane: CriticalPlane | None
     n_searched: int
-    path: FloatArray
-    reversed_limits: tuple[float, float]
 
     def __post_init__(self) -> None:
         n = len(self.bounds.width)
@@ -74,11 +63,6 @@ class Verdict:
                 f"a verdict on {n} points needs as many bounds and plane values, and a point for "
                 f"each of Goodman's, got {shapes} and {self.points.shape}"
             )
-
-    @cached_property
-    def compared(self) -> ComparedCriteria:
-        """Other criteria at the critical point."""
-        return compared_criteria(self.path, *self.reversed_limits)
 
     @property
     def utilisation(self) -> FloatArray:
@@ -208,13 +192,11 @@ def ductile_verdict(
         points = np.sort(np.append(points, critical))
         by_chord = by_goodman(points)
     goodman_bound[points] = by_chord.utilisation
-    at_critical = basis[critical] @ coefficients
     if every_point and critical not in planes and bounds.width[critical] > PROPORTIONAL:
-        planes[critical] = critical_plane(at_critical, criterion.k)
+        planes[critical] = critical_plane(basis[critical] @ coefficients, criterion.k)
         value[critical] = planes[critical].value / limit[critical]
         bound[critical] = min(bound[critical], planes[critical].bound / limit[critical])
         n_searched += 1
-    reversed_limit = float(endurance[critical])
     return Verdict(
         goodman=by_chord,
         points=points,
@@ -224,8 +206,6 @@ def ductile_verdict(
         plane_bound=bound,
         plane=planes.get(critical),
         n_searched=n_searched,
-        path=at_critical,
-        reversed_limits=(reversed_limit, torsion_ratio * reversed_limit),
     )
 
 

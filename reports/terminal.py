@@ -1,18 +1,19 @@
 """The verdict as text for a terminal or a pipe: one table, and what else a reader must know."""
 
-from collections.abc import Set
+from collections.abc import Sequence, Set
 from pathlib import Path
 from shutil import get_terminal_size
 
 from rich.cells import cell_len, chop_cells
 
-from checks.result.verdict import Check, DesignResult, Status
+from checks.result.verdict import Check, DesignResult, RungTried, Status
 from checks.result.words import (
     assumptions,
     brief,
     broken_gates,
     check_titles,
     clean,
+    clipped,
     gate_sentence,
     need_text,
     number,
@@ -22,7 +23,6 @@ from checks.result.words import (
     verdict_sentence,
     where,
 )
-from reports.ladder_summary import tried_sentence
 
 _HEADINGS = ("part", "check", "value ±num ±model", "limit", "safety (required)", "util.", "status")
 _BELOW = "where; method"  # in lines of its own below the row
@@ -32,6 +32,7 @@ _RIGHT = {3, 5}
 _LEAST = ((1, 14), (0, 12), (2, 18), (1, 8), (0, 8), (4, 8), (2, 12), (0, 6), (1, 6))
 _LONGEST_TEXT = 2000  # of an assumption: ours have up to 500, files may say anything
 _LONGEST_NAME = 18
+_LONGEST_WHY = 90
 
 
 def verdict_text(
@@ -112,6 +113,21 @@ def _table(result: DesignResult, width: int) -> list[str]:
 
 def _below(text: str, width: int) -> list[str]:
     return [" " * _INDENT + line for line in wrap(text, width - _INDENT)]
+
+
+def tried_sentence(rungs: Sequence[RungTried]) -> str:
+    """Models tried, their times and their outcomes, in words.
+
+    Of the models passed over, only those before the first that answered, and the last, are named.
+    """
+    answering = [k for k, rung in enumerate(rungs) if rung.checks]
+    first = answering[0] if answering else len(rungs)
+    shown = [r for k, r in enumerate(rungs) if k < first or r.checks or r is rungs[-1]]
+    return ", ".join(
+        f"{brief(r.rung, 24)} {f'{number(r.seconds, 2)} s' if r.checks else 'passed over'} "
+        f"({clipped(r.why, _LONGEST_WHY)})"
+        for r in shown
+    )
 
 
 def table_row(mark: str, cells: list[str], widths: list[int], right: Set[int]) -> list[str]:

@@ -89,13 +89,11 @@ class Leaf:
 
     def goodman(self, limit: float, ultimate: float) -> float:
         """Return the safety with both growing, 1/(s_a/S_e + s_m/S_u)."""
-        steel = fatigue.MeanStressMaterial(ultimate, ultimate)  # its yield stress is not used
-        used = fatigue.mean_stress_utilisation(self.amplitude, self.mean, limit, steel)
-        return 1.0 / float(used)
+        return 1.0 / float(fatigue.goodman_utilisation(self.amplitude, self.mean, limit, ultimate))
 
     def langer(self, yielding: float) -> float:
         """Return the safety against yielding in the first cycle, S_y/(s_a + s_m)."""
-        return 1.0 / float(fatigue.yield_utilisation(self.amplitude, self.mean, yielding))
+        return yielding / (self.amplitude + self.mean)
 
 
 def part(material: str) -> Part:

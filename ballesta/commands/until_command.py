@@ -8,7 +8,6 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from ballesta.batches.plan import design_files
 from ballesta.design.read import read_design
@@ -41,7 +40,6 @@ class Wanted:
     within: str | None = None
     store: Path | None = None
     unused: tuple[str, ...] = ()
-    as_json: bool = False
 
 
 def run_until(designs: Sequence[Path], sweeps: Sequence[str], wanted: Wanted) -> int:
@@ -50,7 +48,6 @@ def run_until(designs: Sequence[Path], sweeps: Sequence[str], wanted: Wanted) ->
     Returns the highest exit code: 0 a value passes, 1 none does, 2 an input is wrong, 3 the
     numerics gave up.
     """
-    found: list[dict[str, Any]] = []
 
     def every() -> int:
         parts = parts_of(wanted.until)
@@ -82,9 +79,7 @@ def run_until(designs: Sequence[Path], sweeps: Sequence[str], wanted: Wanted) ->
             if read_design(file, wanted.overrides).sources != before:
                 raise DesignError(file, "--until", "was edited during the search: search again")
             _write(result, folder / "until.json", wanted.out)
-            found.append(result.to_dict())
-            if not wanted.as_json:
-                print(until_text(result), end="", flush=True)
+            print(until_text(result), end="", flush=True)
             return result.exit_code
 
         codes = [
@@ -93,10 +88,7 @@ def run_until(designs: Sequence[Path], sweeps: Sequence[str], wanted: Wanted) ->
         ]
         return max(codes, default=0)
 
-    code = guarded(every)
-    if wanted.as_json:
-        print(json.dumps(plain(found), indent=1, allow_nan=False, ensure_ascii=False))
-    return code
+    return guarded(every)
 
 
 def parts_of(until: str) -> tuple[str, ...]:

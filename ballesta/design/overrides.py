@@ -16,7 +16,7 @@ _OPTIONAL_TABLES = {
     "require", "joints", "forces", "friction", "friction.pins", "friction.guides",
     "friction.slots", "friction.joints", "elastic", "elastic.joints", "cylinders", "cycles",
     "events", "duty", "duty.cycles", "drive", "drive.brake", "dynamics", "materials", "parts",
-    "claims", "assumed",
+    "assumed",
 }  # fmt: skip
 _OPTIONAL_IN_ENTRY = {"column", "mesh", "pace", "shown", "stop", "guide", "interfaces", "forces",
                       "bush", "elastic", "friction", "available", "offsets", "fits",

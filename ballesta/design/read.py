@@ -98,9 +98,6 @@ def _assembled(
         problems.add(
             "drive", f"states {' and '.join(held)}; one of them says how it holds its speed"
         )
-    for name in model.claims:
-        if name not in model.parts:
-            problems.add(f"claims.{name}", no_such("part", name, model.parts))
     forces, available = forces_of(model, problems)
     cylinders = cylinders_of(model, forces, materials, problems)
     friction = friction_of("friction", model.friction, model, joints, problems)
@@ -186,11 +183,6 @@ def _assembled(
             *(reason for run in measured.values() for reason in run.assumed),
             *told_of_steps(parts),
         ),
-        claims={
-            (part, kind): (claim.safety, claim.source)
-            for part, kinds in model.claims.items()
-            for kind, claim in kinds.items()
-        },
         events=events,
         cylinders=cylinders,
     )

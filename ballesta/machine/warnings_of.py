@@ -89,24 +89,6 @@ def _assembly_gap(
     ]
 
 
-def claim_warnings(design: Design, results: Sequence[PartResult]) -> list[str]:
-    """Claimed safeties that the check does not find."""
-    warnings = []
-    for result in results:
-        for kind in dict.fromkeys(check.kind for check in result.checks):
-            if (result.name, kind) not in design.claims:
-                continue
-            claimed, source = design.claims[result.name, kind]
-            found = min((c for c in result.checks if c.kind == kind), key=lambda c: c.safety)
-            if found.safety < claimed:
-                warnings.append(
-                    f"{result.name}: {source} claims a safety of {claimed:g} against {kind}; found "
-                    f"{found.safety:.3g}. Checked is the {found.quantity}, {found.value:.4g} "
-                    f"against {found.limit:.4g} {found.unit}: {found.basis}"
-                )
-    return warnings
-
-
 def unloaded_warnings(results: Sequence[PartResult]) -> list[str]:
     """Warnings of parts that pass because no load acts on them."""
     return [

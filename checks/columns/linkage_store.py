@@ -43,7 +43,6 @@ def unjudged(design: Design) -> Design:
         accuracy=nan,
         defaults_used=(),
         assumed=(),
-        claims={},
         parts={name: _unjudged_part(part) for name, part in design.parts.items()},
         **left,
     )

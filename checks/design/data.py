@@ -237,7 +237,6 @@ class Design:
     forks            how pins hold tilts as the linkage buckles, "soft" or "stiff"; None: not known
     defaults_used    (key, value) that the file does not state and ballesta took
     assumed          (key, reason) that the file marks as an assumption
-    claims           (part, kind of check) -> the claimed safety and who claims it
     events           starts and stops as stated; solved they stand among the cycles
     """
 
@@ -274,7 +273,6 @@ class Design:
     materials: Mapping[str, Material]
     defaults_used: tuple[tuple[str, str], ...]
     assumed: tuple[tuple[str, str], ...]
-    claims: Mapping[tuple[str, str], tuple[float, str]]
     events: Mapping[str, loads.Event] = field(default_factory=dict)
     cylinders: Mapping[str, Cylinder] = field(default_factory=dict)
 

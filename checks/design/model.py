@@ -58,14 +58,6 @@ from geometry.parameters import GIVEN_BY_DESIGN
 from geometry.parts import SHAPES, Pin
 from geometry.shape import Shape
 
-
-class Claim(Table):
-    """A safety claimed for a part, which results compare with the one that is found."""
-
-    safety: Positive = Field(description="the claimed safety")
-    source: str = Field(description="who claims it, and where")
-
-
 SafetyKey = Literal["static", "buckling", "fatigue", "bush"]  # the keys of Requirements
 
 
@@ -436,10 +428,6 @@ class DesignFile(Table):
     )
     materials: dict[Name, MaterialEntry] = Field(default_factory=dict)
     parts: dict[Name, _union()] = Field(default_factory=dict)  # type: ignore[valid-type]
-    claims: dict[Name, dict[SafetyKey, Claim]] = Field(
-        default_factory=dict,
-        description="claimed safety by part and kind of check; reported beside the safety found",
-    )
     assumed: Annotated[dict[str, str], BeforeValidator(_flat)] = Field(
         default_factory=dict,
         description="dotted key of this file = why it is assumed; every result lists it",

@@ -82,15 +82,12 @@ class FkmStrength:
         amplitude: FloatArray | float,
         mean: FloatArray | float,
         limit: fatigue.ComponentLimit,
-        *,
-        credit: bool = False,
     ) -> FloatArray:
         """Return a_BK = sigma_a / (K_AK K_BK sigma_WK), without a safety factor.
 
         It is linear in the load, and grows with the amplitude and the mean, each by itself.
         """
-        used = fatigue.fkm_utilisation(amplitude, mean, limit, credit=credit)
-        return used / self.endurance_share
+        return fatigue.fkm_utilisation(amplitude, mean, limit) / self.endurance_share
 
 
 def ductile_groups() -> list[str]:

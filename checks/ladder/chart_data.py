@@ -226,10 +226,8 @@ def _one(value: float | FloatArray) -> float:
 
 def _equivalent(task: LifeTask, cycles: fatigue.Cycles, factor: float = 1.0) -> FloatArray:
     """Fully reversed amplitudes (n,), MPa, that do as much as cycles under all loads x factor."""
-    material = task.material
-    rule = fatigue.MeanStressMaterial(material.ultimate_stress, material.yield_stress)
     amplitude, mean = factor * cycles.stress_amplitude, factor * cycles.mean_stress
-    return np.asarray(fatigue.equivalent_amplitude(amplitude, mean, rule))
+    return fatigue.equivalent_amplitude(amplitude, mean, task.material.ultimate_stress)
 
 
 def _plain_cycles(duty: DutyVerdict, point: int, task: LifeTask) -> fatigue.Cycles:

@@ -101,7 +101,7 @@ def fatigue_words(loaded: LoadedPart, level: Stressed, use: FatigueUse) -> Words
             "reversed stress; infinite life"
         )
     else:
-        amplitude, mean, _ = chord_at(level, worst)
+        amplitude, mean = chord_at(level, worst)
         factor = use.limit / float(level.limits[worst.point])
         note = f"fatigue notch factor {factor:.3g}" if factor > 1 else ""
         if worst.criterion == "Findley":

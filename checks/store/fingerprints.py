@@ -29,7 +29,7 @@ _MESH = ("fineness", "most_unknowns")
 _GEOMETRY = ("shape", "geometry")
 _NOT_LOADS = frozenset(
     ["name", "file", "source", "sources", "sha256", "inputs", "overrides", "accuracy", "require",
-     "duty", "parts", "materials", "defaults_used", "assumed", "claims"]
+     "duty", "parts", "materials", "defaults_used", "assumed"]
 )  # fmt: skip
 
 Update = Callable[[bytes], object]
@@ -201,8 +201,7 @@ def _stages_of_part(design: "Design", part: "Part") -> dict[str, str]:
     stated = {field.name: getattr(part, field.name) for field in fields(part)}
     own = {stage: {name: stated.pop(name) for name in names} for stage, names in _STAGES}
     own["mesh"]["accuracy"] = design.accuracy
-    claims = {kind: claim for (name, kind), claim in design.claims.items() if name == part.name}
-    own["judgement"] = {**stated, "duty": design.duty, "require": design.require, "claims": claims}
+    own["judgement"] = {**stated, "duty": design.duty, "require": design.require}
     return {f"{part.name}: {stage}": digest(values) for stage, values in own.items()}
 
 

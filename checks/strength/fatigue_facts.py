@@ -1,10 +1,5 @@
-"""Facts on a part's fatigue beside the verdict: other rules, other survivals, its life.
+"""Facts on a part's fatigue: the stresses behind its verdict, and its life."""
 
-None of it decides: Goodman (and Findley where the path is not proportional) is the verdict, and
-these numbers say what other rules and another survival would have said of the same point.
-"""
-
-from dataclasses import replace
 from math import inf, isfinite
 
 import numpy as np
@@ -14,20 +9,8 @@ from checks.design.data import Part
 from checks.strength.finite_life import LifeTask, lives_of, why_no_curve
 from checks.stress.duty_verdict import FatiguePeak, widest
 from checks.stress.stress_result import Stressed
-from fatigue.marin import reliability_factor
 from fatigue.proportionality import PROPORTIONAL
 from geometry.mesh import FloatArray, IntArray
-
-_SURVIVALS = (0.5, 0.9, 0.99, 0.999)
-_RULES = {
-    "gerber": "Gerber",
-    "asme_elliptic": "ASME-elliptic",
-    "soderberg": "Soderberg",
-    "morrow": "Morrow",
-    "walker": "Walker",
-    "swt": "SWT",
-    "fkm": "FKM",
-}
 
 
 def path_of(level: Stressed, peak: FatiguePeak) -> IntArray:
@@ -49,15 +32,11 @@ def deciding_pair(level: Stressed, peak: FatiguePeak) -> tuple[int, int]:
     return first, second
 
 
-def chord_at(level: Stressed, peak: FatiguePeak) -> tuple[float, float, float]:
-    """Amplitude, mean as Goodman counts it, and mean along the chord with its sign, MPa.
-
-    Of the `deciding_pair`. The mean along the chord is an equivalent stress, below 0 in
-    compression, where the largest principal stress is 0 at a free surface.
-    """
+def chord_at(level: Stressed, peak: FatiguePeak) -> tuple[float, float]:
+    """Amplitude and mean as Goodman counts it, of the `deciding_pair`, MPa."""
     path = np.ascontiguousarray(level.coefficients[:, list(deciding_pair(level, peak))])
     chord = fatigue.chord_path(level.history.basis[peak.point], path, (0, 1))
-    return chord.amplitude, chord.mean, float(chord.along.mean())
+    return chord.amplitude, chord.mean
 
 
 def plane_at(level: Stressed, peak: FatiguePeak) -> str:
@@ -81,26 +60,11 @@ def fatigue_facts(
 ) -> dict[str, float | str]:
     """Facts of the critical point, by name; safeties are on all loads."""
     material, limit = part.material, float(level.limits[peak.point])
-    amplitude, mean, along = chord_at(level, peak)
-    signed = mean if mean > 0.0 else min(along, 0.0)
-    rules = _mean_stress_material(part)
+    amplitude, mean = chord_at(level, peak)
     facts: dict[str, float | str] = {
         "fatigue amplitude [MPa]": amplitude,
         "fatigue mean stress [MPa]": mean,
-        "safety for infinite life by other rules of mean stress": _by_rule(
-            amplitude, mean, limit, rules
-        ),
     }
-    if signed < 0.0:
-        credited = fatigue.mean_stress_utilisation(amplitude, signed, limit, rules, credit=True)
-        facts["safety for infinite life with credit for compression"] = (
-            f"{_safety(float(credited))}: mean {signed:.4g} MPa along the chord, counted as 0"
-        )
-    yielding = float(
-        fatigue.yield_utilisation(amplitude, max(mean, abs(along)), material.yield_stress)
-    )
-    facts["first-cycle yield at the critical point (Langer), safety"] = _safety(yielding)
-    facts["fatigue safety by survival of the parts"] = _by_survival(part, level, peak, task)
     facts |= _multiaxial(level, peak)
     if why_no_curve(material, limit, axial=task.axial):
         return facts
@@ -117,58 +81,8 @@ def fatigue_facts(
     return facts
 
 
-def _mean_stress_material(part: Part) -> fatigue.MeanStressMaterial:
-    """Material data of the mean stress rules: for steels also Morrow's and Walker's numbers.
-
-    s_f' = S_u + 345 MPa (Shigley, 9th ed., eq. 6-10) and gamma = 0.8818 - 0.0002 S_u (Dowling,
-    Mechanical Behavior of Materials, 4th ed., eq. 9.20) hold for steels.
-    """
-    material = part.material
-    ultimate = material.ultimate_stress
-    steel = material.endurance_ratio is None
-    group = material.fkm_group
-    return fatigue.MeanStressMaterial(
-        ultimate,
-        material.yield_stress,
-        fracture_strength=ultimate + 345.0 if steel else None,
-        walker_exponent=0.8818 - 0.0002 * ultimate if steel else None,
-        mean_stress_sensitivity=None
-        if group is None
-        else fatigue.fkm_sensitivity(ultimate, fatigue.FKM_GROUPS[group].sensitivity),
-    )
-
-
-def _by_rule(amplitude: float, mean: float, limit: float, rules: fatigue.MeanStressMaterial) -> str:
-    band = fatigue.mean_stress_band(amplitude, mean, limit, rules)
-    return ", ".join(
-        f"{_RULES[rule]} {_safety(float(used))}" for rule, used in band.items() if rule in _RULES
-    )
-
-
-def _by_survival(part: Part, level: Stressed, peak: FatiguePeak, task: LifeTask) -> str:
-    """The verdict's safety by the share of parts that survive: scatter of the limit alone."""
-    duty, ultimate = level.judged_duty, part.material.ultimate_stress
-    amplitude, mean, _ = chord_at(level, peak)
-    own = reliability_factor(part.reliability)
-    said = []
-    for share in _SURVIVALS:
-        factor = reliability_factor(share) / own
-        if peak.criterion == "Miner":
-            other = replace(duty, limits=factor * duty.limits)
-            if why_no_curve(part.material, float(other.limits.max()), axial=task.axial):
-                continue
-            (life,) = lives_of(other, task, np.array([peak.point]))
-            used = 1.0 / life.safety
-        elif peak.criterion == "Findley":
-            used = peak.value / duty.limit / factor
-        else:
-            used = amplitude / (factor * float(level.limits[peak.point])) + mean / ultimate
-        said.append(f"{100 * share:g} % {_safety(used)}")
-    return ", ".join(said)
-
-
 def _multiaxial(level: Stressed, peak: FatiguePeak) -> dict[str, float | str]:
-    """The path of the critical point, and criteria that stand beside."""
+    """Straightness of the critical point's path, and Findley's plane where it is not straight."""
     limit = float(level.limits[peak.point])
     criterion = fatigue.findley_criterion()
     path = np.ascontiguousarray(level.coefficients[:, path_of(level, peak)])
@@ -186,11 +100,6 @@ def _multiaxial(level: Stressed, peak: FatiguePeak) -> dict[str, float | str]:
         facts["Findley's critical plane"] = (
             f"{plane_at(level, peak)}; safety for infinite life {_safety(used)}"
         )
-    compared = fatigue.compared_criteria(stress, limit)
-    facts["safety for infinite life by other multiaxial criteria"] = (
-        f"Crossland {_safety(compared.crossland)}, Dang Van {_safety(compared.dang_van)}, "
-        f"Papadopoulos {_safety(compared.papadopoulos)}"
-    )
     return facts
 
 
@@ -199,7 +108,7 @@ def haigh_of(
 ) -> dict[str, object]:
     """Plain data of the Haigh diagram: the critical point, its path, and the most used points."""
     verdict = level.judged_duty.worst
-    amplitude, mean, _ = chord_at(level, peak)
+    amplitude, mean = chord_at(level, peak)
     order = np.argsort(-verdict.goodman_bound, kind="stable")[:most_used]
     cloud = fatigue.goodman(
         level.history.basis[order],

@@ -38,7 +38,6 @@ from checks.design.materials import Material
 from checks.stress.duty_verdict import JOINED, DutyVerdict
 from fatigue import (
     Cycles,
-    MeanStressMaterial,
     SNCurve,
     basquin_curve,
     chord_path,
@@ -231,10 +230,10 @@ def _lives(verdict: DutyVerdict, task: LifeTask, readings: Readings) -> list[Dut
     found = counted(verdict, readings, task.counts)
     cycles = found.cycles
     curve = life_curve(task.material, verdict.limits[readings.points], axial=task.axial)
-    strength = MeanStressMaterial(task.material.ultimate_stress, task.material.yield_stress)
-    life = life_verdict(cycles, curve, strength, allowed_damage=task.allowed_damage)
+    ultimate = task.material.ultimate_stress
+    life = life_verdict(cycles, curve, ultimate, allowed_damage=task.allowed_damage)
     per_cycle = curve.damage_per_cycle(
-        equivalent_amplitude(cycles.stress_amplitude, cycles.mean_stress, strength)
+        equivalent_amplitude(cycles.stress_amplitude, cycles.mean_stress, ultimate)
     )
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         endless = 1.0 / life.infinite_utilisation if task.endless else np.zeros(len(life.safety))

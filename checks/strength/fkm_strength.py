@@ -4,7 +4,7 @@ At a surface point and along a closed path of stress, the positions of a cycle:
 
     sigma_a   half the longest chord, von Mises, and
     sigma_m   largest principal stress of its middle, not below 0: both as `fatigue.goodman` has
-              them; the guideline's credit for compression stands among the facts
+              them, without the guideline's credit for compression
     G         related gradient of the chord along the inward normal, of its principal stress of
               largest size
     n         Stieler's support number of G
@@ -32,13 +32,11 @@ from checks.part.part_loads import first_largest
 from fatigue.fkm import SURVIVAL
 from fatigue.proportionality import PROPORTIONAL
 from fem.gradient import SurfaceSlopes, inward_normals, related_gradient
-from fem.recovery import tensor
 from fem.unit_solutions import UnitSolutions
 from geometry.mesh import FloatArray, IntArray
 
 SlopesAt = Callable[[IntArray], FloatArray]
 _FIRST, _MOST = 64, 4096  # points that are judged together, at first and at most
-_ALIKE = 1e-6  # of principal stresses that count as equally large
 _ROUND_OFF = 1e-9  # of a utilisation, by which a bound may fall short
 
 
@@ -50,8 +48,6 @@ class FkmPoints:
     pair         positions of the path at the ends of the chord
     amplitude    MPa, half the chord
     mean         MPa, largest principal stress of the chord's middle, not below 0
-    along        MPa, normal stress of the middle in the direction of the chord's principal stress
-                 of largest size, with its sign: what the guideline would credit below 0
     gradient     1/mm
     support      n
     utilisation  a_BK, compression without credit
@@ -61,7 +57,6 @@ class FkmPoints:
     pair: IntArray
     amplitude: FloatArray
     mean: FloatArray
-    along: FloatArray
     gradient: FloatArray
     support: FloatArray
     utilisation: FloatArray
@@ -77,7 +72,6 @@ class FkmJudgement:
     pair         the two positions that decide, of all positions of all cycles
     amplitude    MPa, half the chord, von Mises
     mean         MPa, largest principal stress of the chord's middle, not below 0
-    along        MPa, mean normal stress along the chord, with its sign, see `FkmPoints`
     gradient     1/mm, related gradient
     limit        sigma_WK at the point, with its factors
     width        of the point's path, see `fatigue.PathBounds`
@@ -90,7 +84,6 @@ class FkmJudgement:
     pair: tuple[int, int]
     amplitude: float
     mean: float
-    along: float
     gradient: float
     limit: fatigue.ComponentLimit
     width: float
@@ -119,9 +112,9 @@ class FkmJudgement:
         """K_AK of the mean as it counts."""
         return float(fatigue.fkm_factor(self.amplitude, self.mean, self.limit.sensitivity))
 
-    def utilisation_with(self, amplitude: float, mean: float, *, credit: bool = False) -> float:
+    def utilisation_with(self, amplitude: float, mean: float) -> float:
         """Return a_BK of other stresses, MPa, at the same point: its support and roughness."""
-        return float(self.strength.utilisation(amplitude, mean, self.limit, credit=credit))
+        return float(self.strength.utilisation(amplitude, mean, self.limit))
 
     def utilisation_between(self, stress: FloatArray) -> FloatArray:
         """Return a_BK (n,) of the chord between two states of stress (n, 6, 2), MPa.
@@ -151,12 +144,6 @@ class FkmJudgement:
             said["FKM endurance"] = (
                 f"{own.endurance_share:.3f} of the strength at 1e6 cycles: the group's curve falls "
                 "on to 1e8"
-            )
-        if self.along < 0.0:
-            used = self.utilisation_with(self.amplitude, self.along, credit=True)
-            safety = f"{1.0 / used:.3g}" if used > 0.0 else "no limit"
-            said["FKM fatigue safety with credit for compression"] = (
-                f"{safety}: mean {self.along:.4g} MPa along the chord, counted as {self.mean:.3g}"
             )
         if self.width > PROPORTIONAL:
             said["FKM stress path"] = (
@@ -212,7 +199,6 @@ def fkm_judgement(
                 pair=(min(first, second), max(first, second)),
                 amplitude=float(found.amplitude[row]),
                 mean=float(found.mean[row]),
-                along=float(found.along[row]),
                 gradient=float(found.gradient[row]),
                 limit=strength.limit(float(found.gradient[row])),
                 width=float(bound.width[found.points[row]]),
@@ -239,27 +225,13 @@ def fkm_points(
     kept = np.flatnonzero(plain * (1.0 + _ROUND_OFF) > above)
     points, pair = points[kept], chords.pair[kept]
     amplitude, mean = chords.amplitude[kept], chords.mean[kept]
-    first, second = path[:, pair[:, 0]], path[:, pair[:, 1]]
-    loads = (first - second) / 2.0
+    loads = (path[:, pair[:, 0]] - path[:, pair[:, 1]]) / 2.0
     swing = _stress(basis[points], loads)
-    along = _along(swing, _stress(basis[points], (first + second) / 2.0))
     own = slopes(points) if len(points) else np.zeros_like(basis[points])
     gradient = related_gradient(swing, _stress(own, loads))
     limit = strength.limit(gradient)
     used = strength.utilisation(amplitude, mean, limit)
-    return FkmPoints(points, pair, amplitude, mean, along, gradient, limit.support, used)
-
-
-def _along(swing: FloatArray, middle: FloatArray) -> FloatArray:
-    """Normal stress (n,) of the middle in the direction of the swing's largest principal, MPa.
-
-    Of directions that swing alike, as in pure shear, the one with the higher mean.
-    """
-    values, vectors = np.linalg.eigh(tensor(swing))
-    sizes = np.abs(values)
-    normal = np.einsum("nia,nij,nja->na", vectors, tensor(middle), vectors)
-    alike = sizes >= (1.0 - _ALIKE) * sizes.max(axis=1, keepdims=True)
-    return np.asarray(np.where(alike, normal, -inf).max(axis=1))
+    return FkmPoints(points, pair, amplitude, mean, gradient, limit.support, used)
 
 
 def _stress(basis: FloatArray, weights: FloatArray) -> FloatArray:

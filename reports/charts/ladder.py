@@ -4,11 +4,10 @@ from collections.abc import Sequence
 from math import inf, isfinite
 
 from checks.result.verdict import Check, PartResult, RungTried
-from checks.result.words import brief, check_titles, number
+from checks.result.words import brief, check_titles, number, value_and_whole_bar
 from reports.charts.chart import Chart, Missing
 from reports.charts.numbers import decimals_of, fixed
 from reports.charts.plane import Plane, drawing, ink
-from reports.ladder_summary import needed, seconds_text, value_and_bar, whole_bar
 from reports.svg import SERIES, Drawing, colour
 
 _TITLE = "Ladder of models"
@@ -47,7 +46,7 @@ def _draw(figure: Drawing, part: PartResult, tried: Sequence[RungTried], kinds: 
     plane.name("limit", [[low, 1.0], [high, 1.0]], colour("fail"), prefer=0.02)
     for rung, seconds in zip(tried, times, strict=True):
         at = plane.at([[seconds, 0.0]])[0]
-        text = f"{brief(rung.rung, 16)} {seconds_text(rung.seconds)}"
+        text = f"{brief(rung.rung, 16)} {_time(rung)}"
         place = plane.room.put(text, plane.at([[seconds, top * 0.93], [seconds, top * 0.97]]))
         if place is not None:
             plane.write(text, place, weight="bold")
@@ -93,11 +92,10 @@ def _one(
 
 def _ends(check: Check) -> tuple[float, float]:
     """Lower and upper end of a check's whole bar, as utilisations; infinite without one."""
-    above, below = whole_bar(check)
-    if not (above < inf and below < inf):
+    if not (isfinite(check.upper) and isfinite(check.lower)):
         return 0.0, inf
     share = check.required / check.limit
-    return max(0.0, (check.value - below) * share), (check.value + above) * share
+    return max(0.0, check.lower * share), check.upper * share
 
 
 def _chosen(part: PartResult, rung: RungTried, check: Check) -> bool:
@@ -123,6 +121,10 @@ def _caption(part: PartResult, tried: Sequence[RungTried]) -> str:
     return " ".join(told)
 
 
+def _time(rung: RungTried) -> str:
+    return f"{number(rung.seconds, 2)} s"
+
+
 def _table(part: PartResult) -> tuple[list[str], list[list[str]]]:
     columns = ["model", "time", "unknowns", "check", "value ± bar", "allowed", "utilisation",
                "taken", "why it stopped or went on"]  # fmt: skip
@@ -132,12 +134,12 @@ def _table(part: PartResult) -> tuple[list[str], list[list[str]]]:
             rows.append([rung.rung, "–", "–", "–", "passed over", "–", "–", "–", rung.why])
         titles = check_titles(rung.checks)
         for check, title in zip(rung.checks, titles, strict=True):
-            value, bar = value_and_bar(check)
+            value, bar = value_and_whole_bar(check)
             places = max(2, decimals_of(check.utilisation))
             rows.append([
-                rung.rung, seconds_text(rung.seconds), f"{rung.unknowns:d}", title,
+                rung.rung, _time(rung), f"{rung.unknowns:d}", title,
                 f"{value} {bar} {check.unit}".strip(),
-                f"{number(needed(check))} {check.unit}".strip(),
+                f"{number(check.limit / check.required)} {check.unit}".strip(),
                 fixed(check.utilisation, places), "yes" if _chosen(part, rung, check) else "no",
                 rung.why,
             ])  # fmt: skip

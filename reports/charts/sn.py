@@ -8,7 +8,7 @@ import numpy as np
 
 from checks.result.verdict import Check, DesignResult, PartResult
 from checks.result.words import brief, need_text, number, safety_text
-from fatigue import MeanStressMaterial, equivalent_amplitude
+from fatigue import equivalent_amplitude
 from reports.charts.chart import Chart, Missing, Series, thinned
 from reports.charts.haigh import LOWERED, SWING, limit_told, path_of, utilisation
 from reports.charts.numbers import FloatArray, decimals_of, fixed, numbers
@@ -84,8 +84,7 @@ def reversed_amplitude(
     """
     if haigh.get("line"):
         return utilisation(haigh, path) * float(data["limit"])
-    material = MeanStressMaterial(float(data["ultimate"]), float(haigh["yield"]))
-    return equivalent_amplitude(path[:, 1], path[:, 0], material)
+    return equivalent_amplitude(path[:, 1], path[:, 0], float(data["ultimate"]))
 
 
 def _plane(figure: Drawing, data: Mapping[str, Any], cycles: FloatArray) -> Plane:

@@ -228,7 +228,7 @@ def test_short_commands_and_help_have_no_child():
     assert is_long(["batch", "a.toml", "--until=pass"])
     assert not is_long(["batch", "a.toml"])
     assert not is_long(["check", "--help"])
-    assert not is_long(["version"])
+    assert not is_long(["schema"])
     assert not is_long([])
 
 

@@ -6,7 +6,6 @@ import numpy as np
 
 # Hard steel, limits in reversed bending and in reversed torsion, MPa: public case FT-11.
 BENDING_LIMIT, TORSION_LIMIT = 313.9, 196.2
-CRITERIA = ("Findley", "Dang Van", "Crossland", "Papadopoulos")
 
 
 @dataclass(frozen=True)
@@ -15,22 +14,22 @@ class BendingTorsion:
 
     Nishihara and Kawamoto 1945, as reproduced by Papadopoulos et al. 1997, half of the table. The
     amplitudes are the commonly reproduced ones and are not confirmed against the paper: nothing is
-    asserted on how the criteria agree with the tests. `expected` are values of CRITERIA over their
-    limits for these inputs, which are exact whatever the tests were.
+    asserted on how the criteria agree with the tests. `expected` is Findley's parameter over
+    its limit for these inputs, which is exact whatever the tests were.
     """
 
     bending: float
     torsion: float
     phase: float
-    expected: tuple[float, float, float, float]
+    expected: float
 
 
 NISHIHARA_KAWAMOTO = (
-    BendingTorsion(138.1, 167.1, 0.0, (1.009544468, 1.009544468, 0.9772348214, 0.9772348214)),
-    BendingTorsion(145.7, 176.3, 60.0, (1.059291058, 0.9762458462, 0.9639279475, 1.031033233)),
-    BendingTorsion(245.3, 122.6, 0.0, (1.040215137, 1.040215137, 1.014355189, 1.014355189)),
-    BendingTorsion(252.4, 126.2, 60.0, (1.01490964, 0.9319420414, 0.9165176839, 1.043886479)),
-    BendingTorsion(299.1, 62.8, 0.0, (1.017329434, 1.017329434, 1.009246047, 1.009246047)),
+    BendingTorsion(138.1, 167.1, 0.0, 1.009544468),
+    BendingTorsion(145.7, 176.3, 60.0, 1.059291058),
+    BendingTorsion(245.3, 122.6, 0.0, 1.040215137),
+    BendingTorsion(252.4, 126.2, 60.0, 1.01490964),
+    BendingTorsion(299.1, 62.8, 0.0, 1.017329434),
 )
 
 

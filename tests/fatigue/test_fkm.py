@@ -87,7 +87,7 @@ def test_the_design_factor_and_the_factor_of_mean_stress_are_pylifes():
     ratios = np.array([-4.0, -1.0, -0.2, 0.1, 0.5])
     shares = (1 + ratios) / (1 - ratios)
     theirs = pylife_functions.sm_factor(ratios, np.full(5, 0.11), shares)
-    ours = 50.0 / (fkm_utilisation(50.0, 50.0 * shares, limit, credit=True) * limit.limit)
+    ours = fkm_factor(50.0, 50.0 * shares, limit.sensitivity)
     assert_allclose(ours, theirs, rtol=1e-9)
 
 
@@ -120,12 +120,10 @@ def test_the_example_is_used_as_far_as_the_guideline_says():
     assert fkm_curve(limit).knee_amplitude == pytest.approx(limit.limit)
 
 
-def test_compression_helps_only_where_the_guideline_is_asked_for_it():
-    """M = 0.5: at R = -inf the guideline has K_AK = 1/(1 - M) = 2."""
+def test_compression_does_not_help():
     limit = example()
     assert fkm_utilisation(50.0, -50.0, limit) == fkm_utilisation(50.0, 0.0, limit)
-    helped = fkm_utilisation(50.0, -50.0, limit, credit=True)
-    assert helped == pytest.approx(0.5 * fkm_utilisation(50.0, 0.0, limit))
+    assert fkm_utilisation(50.0, 50.0, limit) > 1.2 * fkm_utilisation(50.0, 0.0, limit)
 
 
 def test_the_extremes_of_a_stress_are_judged_or_refused_with_their_place():
@@ -147,7 +145,6 @@ def test_aluminium_goes_on_to_fail_below_the_knee():
     assert curve.cycles_to_failure(limit.limit) == pytest.approx(1e6)
     assert curve.cycles_to_failure(0.5 * limit.limit) == pytest.approx(1e6 * 2**15)
     assert curve.cycles_to_failure(2.0 * limit.limit) == pytest.approx(1e6 / 2**5)
-    assert curve.survival == 0.975
 
 
 def test_a_surface_smoother_than_1_micrometre_or_a_soft_material_gains_nothing():

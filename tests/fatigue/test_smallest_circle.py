@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from fatigue.smallest_circle import smallest_ball, smallest_circles
+from fatigue.smallest_circle import smallest_circles
 
 TURN = np.linspace(0.0, 2.0 * np.pi, 361)
 THIRDS = np.radians([0.0, 120.0, 240.0])
@@ -49,7 +49,6 @@ def test_closed_forms_of_plane_paths(name):
     path, radius = CLOSED_FORMS[name]
     path = np.array(path, dtype=float)
     assert smallest_circles(path[None])[1] == pytest.approx([radius], abs=1e-9)
-    assert smallest_ball(path)[1] == pytest.approx(radius, abs=1e-9)
 
 
 def test_the_circle_is_not_half_the_longest_chord():
@@ -81,7 +80,6 @@ def test_paths_together_are_as_each_alone_and_in_any_order():
     assert_allclose(smallest_circles(turned)[1], together, rtol=1e-12)
     for path, radius in zip(paths, together, strict=True):
         assert smallest_circles(path[None])[1][0] == pytest.approx(radius, rel=1e-12)
-        assert smallest_ball(path)[1] == pytest.approx(radius, rel=1e-10)
 
 
 def test_the_carriers_alone_have_the_same_circle():
@@ -97,23 +95,3 @@ def test_ten_thousand_positions_with_duplicates_far_from_the_origin(scale):
     path = scale * np.array([80.0 * np.cos(angle) + 300.0, 30.0 * np.sin(angle) - 200.0])
     path = np.concatenate([path, path[:, :100]], axis=1)
     assert smallest_circles(path[None])[1][0] == pytest.approx(80.0 * scale, rel=1e-6)
-
-
-def test_the_corners_of_a_simplex_have_a_ball_of_their_own_in_five_dimensions():
-    """Six unit vectors in six dimensions seen in their span: radius sqrt(5/6)."""
-    corners = np.eye(6) - 1.0 / 6.0
-    span = np.linalg.svd(corners)[0][:, :5]
-    centre, radius = smallest_ball(span.T @ corners)
-    assert radius == pytest.approx(np.sqrt(5.0 / 6.0), rel=1e-12)
-    assert_allclose(centre, 0.0, atol=1e-12)
-
-
-def test_a_ball_cannot_be_made_smaller_by_moving_its_centre():
-    """The distance of the farthest position is convex in the centre: a local minimum is global."""
-    rng = np.random.default_rng(3)
-    for _ in range(20):
-        path = rng.normal(size=(5, 300)).cumsum(axis=1)
-        centre, radius = smallest_ball(path)
-        for step in rng.normal(size=(60, 5)) * 1e-3 * radius:
-            away = np.linalg.norm(path - (centre + step)[:, None], axis=0).max()
-            assert away >= radius

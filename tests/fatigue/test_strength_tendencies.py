@@ -11,6 +11,7 @@ from fatigue import (
     component_limit,
     endurance_limit,
     fkm_curve,
+    fkm_factor,
     fkm_utilisation,
 )
 
@@ -126,9 +127,10 @@ def test_a_higher_mean_never_lowers_the_utilisation_by_the_guideline(
 ):
     limit = component_limit(of_group(group, strength), roughness=10.0)
     size = amplitude * strength
-    for credit in (False, True):
-        use = [fkm_utilisation(size, size * mean, limit, credit=credit) for mean in means]
-        assert use[0] <= use[1] * KEEP
+    use = [fkm_utilisation(size, size * mean, limit) for mean in means]
+    assert use[0] <= use[1] * KEEP
+    factor = [fkm_factor(size, size * mean, limit.sensitivity) for mean in means]
+    assert factor[1] <= factor[0] * KEEP
 
 
 @COMMON

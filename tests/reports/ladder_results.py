@@ -1,9 +1,8 @@
-"""A made-up ladder of two parts: rungs without a model, without an answer, without a bar."""
+"""Made-up models that were tried: without a model, without an answer, without a bar."""
 
 from math import inf
 
 from checks.result.verdict import RungTried
-from reports.ladder_summary import LadderPart, LadderResult
 
 from .results import HOSTILE, check
 
@@ -37,34 +36,8 @@ SOLID = RungTried(
 LEFT = RungTried("solid", 0.0, 0, [], "no time: about 30 s, 2 s are left; it may settle static")
 
 
-def part(name="bar_upper", **changes):
-    values = {
-        "name": name, "shape": "toggle_bar", "material": "S355", "kinds": ("static", "buckling"),
-        "rungs": [FORMULA, BEAM, SOLID], "tried": [FORMULA], "chosen": FORMULA.checks,
-    }  # fmt: skip
-    return LadderPart(**(values | changes))
-
-
-def ladder(*parts, **changes):
-    values = {
-        "name": "Toggle press", "file": "designs/toggle_press.toml", "sha256": "ab" * 32,
-        "overrides": [], "parts": list(parts or (part(), part("pin_B", rungs=[FORMULA, NONE]))),
-        "solids": "solid F is a check with mesh.fineness F",
-        "command": "ballesta ladder designs/toggle_press.toml",
-    }  # fmt: skip
-    return LadderResult(**(values | changes))
-
-
-def hostile():
-    """Names with markup, an escape sequence and a turned direction, or of 10 000 characters."""
-    long = "W" * 10_000
-    bad = RungTried(HOSTILE, 1.0, 5, [static(1.0, HOSTILE, place=long, unit=HOSTILE)], HOSTILE)
-    left = RungTried(long, 0.0, 0, [], long)
-    odd = part(
-        HOSTILE, shape=long, material=HOSTILE, rungs=[bad, left], tried=[bad, left],
-        chosen=bad.checks,
-    )  # fmt: skip
-    return ladder(
-        odd, part(long), name=long + HOSTILE, file=HOSTILE, overrides=[HOSTILE, long],
-        command=HOSTILE, solids=HOSTILE, sha256=HOSTILE,
-    )  # fmt: skip
+# markup, an escape sequence and a turned direction, or 10 000 characters
+HOSTILE_RUNGS = [
+    RungTried(HOSTILE, 1.0, 5, [static(1.0, HOSTILE, place="W" * 10_000, unit=HOSTILE)], HOSTILE),
+    RungTried("W" * 10_000, 0.0, 0, [], "W" * 10_000),
+]

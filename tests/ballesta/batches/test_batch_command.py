@@ -237,7 +237,7 @@ def test_results_move_with_their_folder(tmp_path, command):
 def test_the_documentation_names_every_option_of_the_command(command):
     text = (ROOT / "docs" / "batch.md").read_text()
     run = command("batch", "--help", out=Path())
-    options = set(re.findall(r"--[a-z][a-z-]+", run.stdout)) - {"--help", "--no-sobol"}
+    options = set(re.findall(r"--[a-z][a-z-]+", run.stdout)) - {"--help"}
     assert {option for option in options if f"`{option}" not in text} == set()
 
 

@@ -358,14 +358,14 @@ def test_the_page_has_every_change_and_the_text_the_largest(one, two):
     from reports.difference_text import Difference
 
     for key in range(40):
-        one["inputs"].append([f"claims.k{key}", "1"])
-        two["inputs"].append([f"claims.k{key}", "2"])
+        one["inputs"].append([f"parts.k{key}", "1"])
+        two["inputs"].append([f"parts.k{key}", "2"])
     found = Difference("a", "b", [difference(one, two)])
     page, text = difference_html(found), difference_text(found, 100)
-    assert page.count("claims.k") == 40
-    assert text.count("claims.k") < 13
+    assert page.count("parts.k") == 40
+    assert text.count("parts.k") < 13
     assert "30 more, in --html and --json" in text
-    assert difference_text(found, 100, everything=True).count("claims.k") == 40
+    assert difference_text(found, 100, everything=True).count("parts.k") == 40
 
 
 def test_what_a_result_says_cannot_break_out_of_the_page_or_the_terminal(one, two):

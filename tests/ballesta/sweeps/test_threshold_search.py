@@ -428,16 +428,14 @@ def test_a_search_that_is_not_understood_is_exit_code_2(
     assert "Traceback" not in captured.err
 
 
-def test_a_bad_design_costs_itself_alone_and_json_holds_the_others(file, tmp_path, capsys):
+def test_a_bad_design_costs_itself_alone(file, tmp_path, capsys):
     bad = tmp_path / "bad.toml"
     bad.write_text("not toml", encoding="utf-8")
-    wanted = Wanted(
-        tmp_path / "out", fidelity="formula", overrides=("duty.cycles.turn=1",), as_json=True
-    )
+    wanted = Wanted(tmp_path / "out", fidelity="formula", overrides=("duty.cycles.turn=1",))
     assert run_until([bad, file], [THICK], wanted) == 2
     captured = capsys.readouterr()
-    (result,) = json.loads(captured.out)
-    assert result["file"] == str(file)
+    (written,) = (tmp_path / "out").glob("*/until.json")
+    assert json.loads(written.read_text())["file"] == str(file)
     assert "bad.toml" in captured.err
 
 

@@ -1,4 +1,4 @@
-"""Facts of fatigue beside the verdict, and what Findley's plane and FKM's bounds change."""
+"""Bars of what Findley judges, and points that FKM has to judge."""
 
 from math import sqrt
 from types import SimpleNamespace
@@ -11,20 +11,15 @@ from checks.design.materials import known_materials
 from checks.design.strength import FkmStrength
 from checks.strength import fatigue_assessment
 from checks.strength.fatigue_assessment import FatigueUse
-from checks.strength.fatigue_facts import fatigue_facts
-from checks.strength.finite_life import LifeTask
 from checks.strength.fkm_strength import fkm_judgement, fkm_points
 from checks.stress import judged
-from checks.stress.duty_verdict import FatiguePeak, duty_runs, duty_verdict
+from checks.stress.duty_verdict import duty_runs, duty_verdict
 from checks.stress.judged import direct_under
 from fatigue import FkmMaterial
 from fem.recovery import von_mises
 
 S355 = known_materials()["S355"]  # 470 and 355 MPa
 LIMIT = 150.0
-AT_LEAST = {"50": 1.0, "90": 0.89748, "99": 0.81389, "99.9": 0.75278}  # 1 - 0.08 z
-SURVIVAL = "fatigue safety by survival of the parts"
-LANGER = "first-cycle yield at the critical point (Langer), safety"
 STRENGTH = FkmStrength(FkmMaterial(410.0), 200.0)
 
 
@@ -59,66 +54,6 @@ def circle():
     stress = np.zeros((1, 6, 24))
     stress[0, 0], stress[0, 3] = 100 * np.cos(turn), 100 / sqrt(3) * np.sin(turn)
     return stress
-
-
-def facts_of(stress, reliability=0.99):
-    level = level_of(stress)
-    part = SimpleNamespace(material=S355, reliability=reliability)
-    task = LifeTask({"a": 1e6}, S355, False, 1.0)
-    return fatigue_facts(part, level, level.fatigue, task), level
-
-
-def by_survival(facts):
-    """Share in per cent -> safety."""
-    said = [entry.split(" % ") for entry in facts[SURVIVAL].split(", ")]
-    return {share: float(safety) for share, safety in said}
-
-
-# survival and first yield ------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("reliability", "own"), [(0.99, 0.81389), (0.5, 1.0)])
-def test_survival_scatters_the_endurance_limit_and_not_the_ultimate_strength(reliability, own):
-    """53 to 147 MPa: 1/safety = 47/(S_e k/k_own) + 100/470, 8 % standard deviation of S_e."""
-    facts, _ = facts_of(tension(53.0, 147.0), reliability)
-    expected = {n: 1 / (47 / (LIMIT * k / own) + 100 / 470) for n, k in AT_LEAST.items()}
-    assert by_survival(facts) == pytest.approx(expected, rel=5e-3)
-    assert list(expected) == list(by_survival(facts))
-
-
-def test_where_findley_decides_the_safety_scatters_as_the_limit_does():
-    facts, level = facts_of(circle())
-    assert level.fatigue.criterion == "Findley"
-    safety = LIMIT / level.fatigue.value
-    expected = {n: safety * k / AT_LEAST["99"] for n, k in AT_LEAST.items()}
-    assert by_survival(facts) == pytest.approx(expected, rel=5e-3)
-
-
-def test_a_finite_life_leaves_less_the_more_parts_survive():
-    """Reversed 100 MPa, below the limit at any share: the knee decides, and its limit scatters."""
-    level = level_of(tension(-100.0, 100.0))
-    part = SimpleNamespace(material=S355, reliability=0.99)
-    task = LifeTask({"a": 1e9}, S355, False, 1.0)
-    peak = FatiguePeak(100.0, 0, "the whole duty", (0, 1), "Miner")
-    safeties = by_survival(fatigue_facts(part, level, peak, task))
-    expected = {n: 1.5 * k / AT_LEAST["99"] for n, k in AT_LEAST.items()}
-    assert safeties == pytest.approx(expected, rel=0.02)
-
-
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_the_first_cycle_yields_in_compression_as_in_tension(sign):
-    """100 to 300 MPa of either sign: amplitude and mean are 300 of 355 MPa."""
-    facts, _ = facts_of(sign * tension(100.0, 300.0))
-    assert float(facts[LANGER]) == pytest.approx(355 / 300, rel=5e-3)
-
-
-def test_the_first_cycle_yields_by_the_larger_mean_of_any_direction():
-    """xx of +-100 MPa across a static yy of 200 MPa: along the chord the mean is -100 MPa."""
-    stress = tension(-100.0, 100.0)
-    stress[0, 1] = 200.0
-    facts, _ = facts_of(stress)
-    assert facts["fatigue mean stress [MPa]"] == pytest.approx(200.0)
-    assert float(facts[LANGER]) == pytest.approx(355 / (100 + 200), rel=5e-3)
 
 
 # bars of what Findley judges ---------------------------------------------------------------------

@@ -38,21 +38,14 @@ def checked(folder, models, *overrides, text=COARSE):
     return result, check
 
 
-def test_goodman_is_the_verdict_and_other_rules_stand_beside(tmp_path, models):
+def test_goodman_is_the_verdict_on_the_stresses_of_the_facts(tmp_path, models):
     result, check = checked(tmp_path, models)
     assert check.quantity == "Goodman amplitude of equal safety"
     facts = result.facts
     amplitude, mean = facts["fatigue amplitude [MPa]"], facts["fatigue mean stress [MPa]"]
     limit = facts["endurance limit [MPa]"]
     assert_allclose(check.safety, 1 / (amplitude / limit + mean / 410), rtol=1e-9)
-    soderberg = 1 / (amplitude / limit + mean / 275)
-    assert (
-        f"Soderberg {soderberg:.3g}"
-        in facts["safety for infinite life by other rules of mean stress"]
-    )
-    assert f"99 % {check.safety:.3g}" in facts["fatigue safety by survival of the parts"]
     assert facts["stress path at the critical point"].startswith(("proportional", "not propor"))
-    assert "Crossland" in facts["safety for infinite life by other multiaxial criteria"]
     assert result.charts["haigh"]["amplitude"] == amplitude
 
 
