@@ -137,7 +137,7 @@ def _growing(last: int, x: FloatArray) -> FloatArray:
 
 
 def _short(numbers: IntArray, x: FloatArray, side: float) -> FloatArray:
-    """Slope x F'/F (k, m) of waves n (k, 1) that are short, in a bar (side 1) or around a bore (-1).
+    """Slope x F'/F (k, m) of waves n (k, 1) that are short, of a bar (side 1) or a bore (-1).
 
     x L' + L^2 = n^2 + x^2 = s^2 by Bessel's equation, so L = sum l_k(t)/(side s)^k from k = -1,
     t = n^2/s^2: l_-1 = 1, 2 l_(k+1) = k (1 - t) l_k + 2 t (1 - t) l_k' - sum_(i+j=k) l_i l_j.
