@@ -1,6 +1,6 @@
 """Nominal bending, shear and twist of a pin over its stack, against yield.
 
-Lugs press evenly over their widths (`checks.joints.pin_diagrams`).
+Lugs press evenly over their widths (`checks.handbook.pin_diagrams`).
 """
 
 from collections.abc import Iterator, Mapping
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from checks.design.data import Part
-from checks.joints.pin_diagrams import PinDiagram, pin_diagram
+from checks.handbook.pin_diagrams import PinDiagram, pin_diagram
 from checks.part.derived import Heading, Kind, shear_yield, yield_stress
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, first_largest

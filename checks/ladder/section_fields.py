@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from checks.design.data import Duty, Part
-from checks.joints.pin_diagrams import pin_diagram
+from checks.handbook.pin_diagrams import pin_diagram
 from checks.ladder.part_fields import ENDLESS
 from checks.models.formula_bars import Stretches, bar_loads
 from checks.models.formula_points import XX, XY, YZ, ZX, ZZ

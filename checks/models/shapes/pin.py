@@ -12,8 +12,8 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.lug_stress import stepped_shaft
+from checks.handbook.pin_diagrams import PinDiagram, pin_diagram
 from checks.handbook.pin_loaded_hole import PATTERNS
-from checks.joints.pin_diagrams import PinDiagram, pin_diagram
 from checks.models.formula_points import YZ, ZX, Points, bearing_units, interface_units
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads

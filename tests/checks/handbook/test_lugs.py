@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bench.closed_forms import lug_factor
-from checks.joints.pin_diagrams import (
+from checks.handbook.pin_diagrams import (
     round_bending,
     round_shear,
     round_torsion,

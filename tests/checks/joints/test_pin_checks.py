@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
 from checks.by_formula import pin_bending
-from checks.joints.pin_diagrams import PinDiagram, pin_diagram
+from checks.handbook.pin_diagrams import PinDiagram, pin_diagram
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from geometry.parts import Pin, Seat
