@@ -23,6 +23,7 @@ _PATTERNS = "what patterns, nodes and short waves miss of solved contact, and se
 _OF_ARCS = "model: arcs on which pins may press"
 _OF_FITS = "model: the range of the pins' clearances"
 _OF_BENDING = "model: bent pins, which press unevenly"
+_EVENED = "bent pins that are in no band: see the note of the check"
 _OF_BUSHES = "model: bushes, whose material is not stated"
 _CALIBRATED = "docs/theory/error_bars.md"
 
@@ -78,7 +79,8 @@ def solid_bars(bars: Bars, value: str, more: float = 0.0) -> Told:
     above, below = _arcs(bars.by_arc, bars.in_bores, items)
     more_above, more_below = _clearances(bars.clearances, items)
     above, below = _sum(above, more_above), _sum(below, more_below)
-    if bars.along is not None:
+    bends = bars.along is not None and bars.along.uneven != bars.along.even
+    if bars.along is not None and bends:
         items += [
             Given("q_1", "the value where pins press evenly along", bars.along.even, "MPa"),
             Given("q_2", "the value where bent pins press unevenly", bars.along.uneven, "MPa",
@@ -104,7 +106,8 @@ def solid_bars(bars: Bars, value: str, more: float = 0.0) -> Told:
     of = (
         _OF_ARCS if bars.by_arc or more else "",
         _OF_FITS if bars.clearances else "",
-        _OF_BENDING if bars.along else "",
+        _OF_BENDING if bends else "",
+        _EVENED if bars.evened else "",
         _OF_BUSHES if bars.clearances and bars.clearances.soft is not None else "",
     )
     words = "; ".join(text for text in (told.words, *of) if text)

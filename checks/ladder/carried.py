@@ -26,6 +26,7 @@ from checks.ladder.levels import COARSE, Asked, Say, level_on
 from checks.ladder.part_facts import assumed_of, gates_of, mesh_row
 from checks.ladder.solid import RESCALED, mesh_values, solid_facts, solve_stress, stress_check
 from checks.part.loaded_part import LoadedPart
+from checks.part.pressed_along import that_count
 from checks.result.verdict import Check, Gate, PartResult, RungTried, Surface
 from checks.strength.load_doubts import load_bars
 from checks.strength.part_strength import elastic_of, endurance_of, fatigue_use
@@ -73,6 +74,7 @@ class Neighbour:
     fineness  of that mesh
     places    kind of check -> where its stress is large
     bands     kind of check -> model band above and below, over the value
+    bent      kind of check -> bores whose bent pin is in that band
     """
 
     shape: Buildable
@@ -80,6 +82,7 @@ class Neighbour:
     fineness: float
     places: Mapping[str, Sequence[Place]]
     bands: Mapping[str, tuple[float, float]]
+    bent: Mapping[str, frozenset[str]]
 
     @cached_property
     def carrier(self) -> Carrier:
@@ -111,8 +114,14 @@ def neighbour_of(loaded: LoadedPart, models: Models) -> Neighbour | str:
         places = {kind: _places(what, level, finest, left[kind]) for kind, what in judged.items()}
         if all(WIDER * known[0].error <= loaded.accuracy for known in places.values()):
             mesh = level.solutions.mesh
-            return Neighbour(_meshed(loaded), mesh, level.fineness, places, bands)
+            bent = {kind: _bent(loaded, kind) for kind in judged}
+            return Neighbour(_meshed(loaded), mesh, level.fineness, places, bands, bent)
     return "its error bars are wider than was asked for"
+
+
+def _bent(loaded: LoadedPart, kind: str) -> frozenset[str]:
+    """Bores whose bent pin is in the band of a kind of check."""
+    return frozenset(that_count(loaded.part, loaded.uneven, static=kind == "static"))
 
 
 def judged_of(loaded: LoadedPart) -> dict[str, Judged]:
@@ -170,6 +179,10 @@ def carried_result(
     part, loads, shape = loaded.part, loaded.loads, _meshed(loaded)
     if type(shape) is not type(neighbour.shape):
         return "only one of the two is its own mirror image"
+    judged = judged_of(loaded)
+    for kind in judged:
+        if not _bent(loaded, kind) <= neighbour.bent[kind]:
+            return f"its bent pin is in the band of {kind}, the neighbour's is not"
     limit = endurance_of(part).value
     try:
         say(f"{part.name}: {3 * len(neighbour.mesh.nodes)} unknowns, a mesh carried over")
@@ -177,7 +190,6 @@ def carried_result(
         level = level_on(loaded, solutions, neighbour.fineness, limit)
     except MeshError as error:
         return f"carried over, {error}"
-    judged = judged_of(loaded)
     doubts = load_bars(loads, mesh_values(loaded, level))
     checks: list[Check] = []
     for kind, what in judged.items():

@@ -9,6 +9,7 @@ import fatigue
 from checks.design.data import Part
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
+from checks.part.pressed_along import Stack, why_even
 from checks.result.verdict import Gate
 from checks.result.words import CONTACT
 from checks.stress.beyond_even import unevenness
@@ -162,7 +163,7 @@ def assumed_of(loaded: LoadedPart, level: Level) -> list[str]:
     """Assumptions of the model, in words."""
     said = []
     if level.contact is not None:
-        said += _contact_words(level, level.contact, loaded.part.fit_assumed)
+        said += _contact_words(level, level.contact, loaded.part)
     if has_bearings(level.solutions, level.solved_bores):
         said.append(
             f"{'other pins' if level.contact else 'pins'} press with a cosine pressure, even along "
@@ -192,9 +193,9 @@ def assumed_of(loaded: LoadedPart, level: Level) -> list[str]:
     return said
 
 
-def _contact_words(level: Level, contact: Contact, assumed: str) -> list[str]:
+def _contact_words(level: Level, contact: Contact, part: Part) -> list[str]:
     """Assumptions of the contact of pins, in words, with where the clearances are from."""
-    by = f" ({assumed})" if assumed else ""
+    by = f" ({part.fit_assumed})" if part.fit_assumed else ""
     along = unevenness(contact, level.peak.position)
     said = []
     for name, fit in contact.pins.fits.items():
@@ -204,13 +205,22 @@ def _contact_words(level: Level, contact: Contact, assumed: str) -> list[str]:
             "of the middle, the model band holds all of them"
         )
         if name in along:
-            words += (
-                f"; the pin bends, which presses {along[name]} at the peak's position, which the "
-                "band holds as well"
-            )
+            bends = f"; the pin bends, which presses {along[name]} at the peak's position"
+            words += f"{bends}, {_in_band(part, name, fit.stack)}"
         words += "; both cheeks carry the same share" if _cheeks(contact, name) else ""
         said.append(words)
     return said
+
+
+def _in_band(part: Part, name: str, stack: Stack | None) -> str:
+    """Which checks have what a bent pin presses in their band, and why others do not."""
+    assert stack is not None
+    fatigue, static = (why_even(part, name, stack, static=one) for one in (False, True))
+    if fatigue:
+        return f"in no band: {fatigue}"
+    if static:
+        return f"which the band of fatigue holds as well, of static not: {static}"
+    return "which the band holds as well"
 
 
 def _cheeks(contact: Contact, name: str) -> bool:

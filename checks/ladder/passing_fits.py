@@ -7,6 +7,7 @@ from math import isfinite
 from checks.handbook.fits import DEFAULT, clearances_of
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
+from checks.part.pressed_along import why_even
 from checks.result.verdict import Check, Status
 from checks.result.ways import clearance_fact
 from checks.strength.part_strength import endurance_of
@@ -96,8 +97,6 @@ def clearances_that_pass(
     bores = _bores_of_contact(loaded, level) if open_ones else []
     if not bores:
         return {}
-    stacks = [loaded.stack(bore.name) for bore in bores]
-    bends = any(stack is not None for stack in stacks)
     part, duty = loaded.part, loaded.duty.cycles
     fits = widest_fits(loaded, bores)
     some = _some_of(loaded.loads, level, judged)
@@ -117,6 +116,7 @@ def clearances_that_pass(
     found: dict[str, float] = {}
     for what, check in open_ones:
         along = bars[what].along if what in bars else None
+        bends = any(_bends(loaded, bore.name, static=check.kind == "static") for bore in bores)
         if (bends and along is None) or any(fit.unstated for fit in fits.values()):
             continue  # by contact it would be more than what is known
         uneven = along.above if along else 0.0
@@ -134,6 +134,12 @@ def clearances_that_pass(
                 for name, fit in fits.items()
             }
     return found
+
+
+def _bends(loaded: LoadedPart, bore: str, *, static: bool) -> bool:
+    """True if a bent pin is in the band of a check."""
+    stack = loaded.stack(bore)
+    return stack is not None and not why_even(loaded.part, bore, stack, static=static)
 
 
 def _some_of(loads: PartLoads, level: Level, judged: Sequence[Judged]) -> PartLoads:

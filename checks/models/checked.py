@@ -39,7 +39,7 @@ from checks.models.stress_words import Words, fatigue_words, static_words
 from checks.part.derived import VALUE, at_value
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
-from checks.part.pressed_along import raised_words
+from checks.part.pressed_along import raised_words, that_count, uncounted_words
 from checks.result.verdict import Check, Status
 from checks.result.words import UNKNOWN_BAR
 from checks.strength.fatigue_assessment import FatigueUse
@@ -212,6 +212,7 @@ def rung_estimates(
             level.peak.point,
             static_rise(level, loads),
             raised_in_bores(loaded, level, None),
+            evened_note(loaded, level, None),
         )
     if FATIGUE in kinds and use is not None:
         words = fatigue_words(loaded, level, use)
@@ -223,6 +224,7 @@ def rung_estimates(
             use.point(level),
             fatigue_rise(level, loads, use),
             raised_in_bores(loaded, level, use),
+            evened_note(loaded, level, use),
         )
     load = level.model.buckling if BUCKLING in kinds else None
     if load is not None and load.share > 0.0:
@@ -238,6 +240,7 @@ def _stress_estimate(
     point: int,
     rise: float,
     in_bores: float,
+    evened: str,
 ) -> Estimate:
     check = Check(
         part=loaded.part.name,
@@ -254,7 +257,7 @@ def _stress_estimate(
         place=level.place_in_words(point, loaded.part.geometry.placed_interfaces),
         method=FORMULA,
         basis=words.basis,
-        note=words.note,
+        note="; ".join(text for text in (words.note, evened) if text),
     )
     if loaded.loads.is_nothing:
         return Estimate(_told(check, 0.0, 0.0, NOTHING))
@@ -311,7 +314,8 @@ def _with_band(
     shared, said = band.above[0] * value, _of_solids(band, model)
     if raised:
         shared = raised * (1 + band.above[0]) - value
-        said = f"{said}; model band: {raised_words(loaded.part, loaded.uneven)}"
+        counts = that_count(loaded.part, loaded.uneven, static=check.kind == STATIC)
+        said = f"{said}; model band: {raised_words(loaded.part, counts)}"
     return Estimate(
         _told(check, above, below, said), above - shared, below - band.shared_below * value
     )
@@ -423,16 +427,22 @@ def _of_solids(band: Band, model: RungModel) -> str:
 # the rungs were compared with solids on the arcs alone, evenly pressed along: they have neither.
 
 
-def raised_in_bores(loaded: LoadedPart, level: RungLevel, use: FatigueUse | None) -> float:
+def raised_in_bores(
+    loaded: LoadedPart, level: RungLevel, use: FatigueUse | None, *, every: bool = False
+) -> float:
     """Return the largest stress in such bores with more of the forces in the plane, MPa.
 
     0 without such a bore. As in a solid (checks/stress/error_bars.py), the stress of couples out of
     the plane stays.
 
-    use  how fatigue is judged; None for von Mises stress
+    use    how fatigue is judged; None for von Mises stress
+    every  True with all bent pins, those that count in no band included
     """
     part, loads, model, history = loaded.part, loaded.loads, level.model, level.history
-    if part.body is None or loads.is_nothing or (part.arc_stated and not loaded.uneven):
+    uneven = loaded.uneven
+    if not every:
+        uneven = that_count(part, uneven, static=use is None)
+    if part.body is None or loads.is_nothing or (part.arc_stated and not uneven):
         return 0.0
     units = [name for name, _ in model.units]
     bores = {name.removesuffix(_PRESSURE) for name in units if name.endswith(_PRESSURE)}
@@ -444,7 +454,7 @@ def raised_in_bores(loaded: LoadedPart, level: RungLevel, use: FatigueUse | None
         if not len(points):
             continue
         pressed = np.array([name.startswith(f"{bore} ") for name in units])
-        times = np.where(pressed, loaded.uneven.get(bore, (1.0, ""))[0], 1.0) * more
+        times = np.where(pressed, uneven[bore].most if bore in uneven else 1.0, 1.0) * more
         raised = np.where(across, 1.0, times)[:, None] * history.coefficients
         if use is None:
             own = history.nodes[points], history.points[points], history.basis[points]
@@ -454,6 +464,18 @@ def raised_in_bores(loaded: LoadedPart, level: RungLevel, use: FatigueUse | None
             near = points[used >= _NEAR * used.max()]
             found.append(use.over(level, near, raised, loads.cycles))
     return max(found)
+
+
+def evened_note(loaded: LoadedPart, level: RungLevel, use: FatigueUse | None) -> str:
+    """Bent pins that count in no band, why, and the stress with them; "" without such.
+
+    use  how fatigue is judged; None for von Mises stress
+    """
+    part, uneven, static = loaded.part, loaded.uneven, use is None
+    if len(that_count(part, uneven, static=static)) == len(uneven):
+        return ""
+    bent = raised_in_bores(loaded, level, use, every=True)
+    return uncounted_words(part, uneven, bent, static=static)
 
 
 def with_peaks(model: RungModel, judged: Values) -> RungModel:

@@ -22,7 +22,7 @@ from checks.part.derived import (
     load_case,
 )
 from checks.part.part_loads import Doubt, PartLoads, Runs, first_largest, loads_on
-from checks.part.pressed_along import Stack, stack_in, uneven_bores
+from checks.part.pressed_along import Stack, Uneven, stack_in, uneven_bores
 from checks.result.derivation import BARS, Derivation, Item, Section
 from checks.result.verdict import Check
 from geometry.body import Buildable
@@ -154,7 +154,7 @@ class LoadedPart:
         return derived_check(part, loads, position, heading, derivation, self.required)
 
     @cached_property
-    def uneven(self) -> Mapping[str, tuple[float, str]]:
+    def uneven(self) -> Mapping[str, Uneven]:
         """By bore, how much more its bent pin presses at the most than on average, and where.
 
         As models without contact have it; without bores that are pressed evenly.

@@ -4,15 +4,22 @@ Contact is solved with an even pressure along the pin. Where the design has the 
 the line load along it is solved, too (fem/contact/line_load.py), with the least clearance of the
 fit and other lugs free to tilt, which bend it most; the part's own cheeks tilt as its mesh does.
 The judged stress under that pressure is the model band's. Pins with lugs on one side are left out.
+
+What edges have more than under even pressure counts in no static band where part and pin are
+ductile and the pin holds under even pressure: by the lower bound theorem of limit analysis the
+edges yield, no more (docs/theory/contact.md).
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from math import inf
+from typing import NamedTuple
 
 import numpy as np
 
 from checks.design.data import Design, Part
+from checks.handbook.pin_diagrams import pin_diagram
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.part.part_loads import PartLoads, Runs, loads_on
 from fem.contact.beds import Lug, RoundBar
@@ -77,6 +84,33 @@ class Stack:
         return RoundBar(
             tuple(cuts), tuple(diameters), material.youngs_modulus, material.poisson_ratio
         )
+
+    @cached_property
+    def pin_safety(self) -> float:
+        """Yield stress of the pin over its largest nominal stress while all lugs press evenly.
+
+        Von Mises of bending, shear and twist, as its own checks have it, or the mean pressure of a
+        seat where that is more.
+        """
+        shape, wrenches = self.shape, dict(self.loads.wrenches)
+        stress = pin_diagram(shape, wrenches, ends_only=True).equivalent_peaks.max()
+        for seat in shape.seats:
+            area = shape.neck(seat) * seat.width * len(seat.places)
+            stress = max(stress, self.loads.resultant(seat.name).max() / area)
+        return self.pin.material.yield_stress / float(stress) if stress else inf
+
+    @cached_property
+    def yields_even(self) -> bool:
+        """True if even pressure is known to be carried once edges yield: the lower bound theorem.
+
+        Part, pin and bush are ductile, and the pin holds under even pressure with the safety that
+        static checks must have.
+        """
+        part = self.design.part_of(self.bore)
+        materials = [self.pin.material, self.pin.bushes.get(self.bore)]
+        materials += [part.material] if part else []
+        ductile = all(material.ductile for material in materials if material is not None)
+        return ductile and self.pin_safety >= self.design.require.static
 
     def lugs(self, position: int, tilt: float) -> tuple[list[Lug], int]:
         """Lugs that carry a force, and which of them is the part's: the upper one of a pair.
@@ -192,9 +226,51 @@ def stack_in(
     return None
 
 
-def uneven_bores(
-    design: Design, part: Part, loads: PartLoads, runs: Runs
-) -> Mapping[str, tuple[float, str]]:
+class Uneven(NamedTuple):
+    """How much more a bent pin presses in a bore at the most than on average, and at which edge."""
+
+    most: float
+    edge: str
+    stack: Stack
+
+
+def why_even(part: Part, bore: str, stack: Stack, *, static: bool) -> str:
+    """Why what a bent pin presses more at a bore's edges counts in no band; "" where it does.
+
+    static  True for the static check
+    """
+    if static and stack.yields_even:
+        return (
+            f"edges yield, no more (lower bound theorem), as part and pin are ductile and "
+            f"{stack.pin.name} has a safety of {stack.pin_safety:.3g} under even pressure"
+        )
+    return ""
+
+
+def that_count(part: Part, uneven: Mapping[str, Uneven], *, static: bool) -> Mapping[str, Uneven]:
+    """The bores whose bent pin is in the band of a check."""
+    return {
+        name: one
+        for name, one in uneven.items()
+        if not why_even(part, name, one.stack, static=static)
+    }
+
+
+def uncounted_words(part: Part, uneven: Mapping[str, Uneven], value: float, *, static: bool) -> str:
+    """How bores that count in no band would be pressed, and why they do not, for a note.
+
+    value  MPa, of the check with all that bent pins press
+    """
+    told = [
+        f"not in the band: {one.most:.3g} times as much at the {one.edge} of {name}, as the pin "
+        f"bends: {why}"
+        for name, one in uneven.items()
+        if (why := why_even(part, name, one.stack, static=static))
+    ]
+    return "; ".join([*told, f"elastic, with it, up to {value:.4g} MPa"]) if told else ""
+
+
+def uneven_bores(design: Design, part: Part, loads: PartLoads, runs: Runs) -> Mapping[str, Uneven]:
     """By bore, how much more a bent pin presses at the most than on average, and at which edge.
 
     Of bores whose pin's stack is known, where the force is largest, without clearance and with lugs
@@ -213,11 +289,11 @@ def uneven_bores(
             continue
         most, edge = most_pressed(shares) if shares is not None else (1.0, "")
         if most > 1 + _ALIKE:
-            found[name] = most, edge
+            found[name] = Uneven(most, edge, stack)
     return found
 
 
-def raised_words(part: Part, uneven: Mapping[str, tuple[float, str]]) -> str:
+def raised_words(part: Part, uneven: Mapping[str, Uneven]) -> str:
     """How much more bores may have than under even pressure on the assumed arcs, for a note."""
     told = (
         []
@@ -225,7 +301,8 @@ def raised_words(part: Part, uneven: Mapping[str, tuple[float, str]]) -> str:
         else [f"{100 * BEYOND_ARCS:g} % more in bores, whose arc is not stated"]
     )
     told += [
-        f"{m:.3g} times as much at the {e} of {n}, as the pin bends" for n, (m, e) in uneven.items()
+        f"{one.most:.3g} times as much at the {one.edge} of {name}, as the pin bends"
+        for name, one in uneven.items()
     ]
     return ", ".join(told)
 

@@ -1,14 +1,15 @@
 """A judged stress where bent pins press unevenly along a part's bores."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from checks.design.data import Part
 from checks.part.part_loads import PartLoads, first_largest
-from checks.part.pressed_along import Stack, most_pressed
-from checks.stress.judged import Judged
+from checks.part.pressed_along import Stack, most_pressed, why_even
+from checks.stress.judged import Judged, StaticPeak, Under
 from checks.stress.pins_in_bores import Contact
 from checks.stress.solid_mesh_level import Level
 from fem.contact.bore import BoreHarmonics
@@ -20,12 +21,14 @@ from geometry.mesh import FloatArray
 class BeyondEven:
     """A judged stress under pressure that is uneven along the pins.
 
-    even, uneven  MPa, the quantity at the positions that decide it
-    words         how uneven the pressure is, at which edges
+    even, uneven  MPa, the quantity at the positions that decide it; uneven as the band has it
+    bent          MPa, the same with all bent pins, those that count in no band included
+    words         how uneven the pressure is, at which edges, and what does not count
     """
 
     even: float
     uneven: float
+    bent: float
     words: str
 
     @property
@@ -39,26 +42,56 @@ class BeyondEven:
         return max(self.even - self.uneven, 0.0)
 
 
-def beyond_even(judged: Judged, level: Level) -> BeyondEven | None:
+def beyond_even(judged: Judged, level: Level, part: Part) -> BeyondEven | None:
     """The quantity under uneven pressure, at the positions that decide it under an even one.
+
+    part  states how the edges of its bores are
 
     None where no bore has a pin whose stack is known, or all carry nothing.
     """
     contact = level.contact
     if contact is None:
         return None
-    bores = [bore for bore, _ in known_stacks(contact)]
-    if not bores:
+    static = isinstance(judged, StaticPeak)
+    why = {
+        (name := bore.loads.interface.name): why_even(part, name, stack, static=static)
+        for bore, stack in known_stacks(contact)
+    }
+    if not why:
         return None
-    known = _known.setdefault(level, WeakKeyDictionary())
-    if judged not in known:
-        even, uneven = judged.direct(level, [0.0, 1.0], _under)
-        said = (unevenness(contact, position) for position in judged.deciding(level))
-        told = next((words for words in said if words), {})
-        by = ", ".join(told[name] for bore in bores if (name := bore.loads.interface.name) in told)
-        words = f"its pin bends, which presses {by}; {uneven:.4g} MPa"
-        known[judged] = BeyondEven(even, uneven, words) if by else None
-    return known[judged]
+    known = _known.setdefault(level, WeakKeyDictionary()).setdefault(judged, {})
+    said = tuple(sorted(why.items()))
+    if said not in known:
+        known[said] = _beyond(judged, level, contact, why)
+    return known[said]
+
+
+def _beyond(
+    judged: Judged, level: Level, contact: Contact, why: Mapping[str, str]
+) -> BeyondEven | None:
+    """Uneven pressure; why: bore -> why its bent pin counts in no band, "" where it does."""
+    positions = (unevenness(contact, position) for position in judged.deciding(level))
+    told = next((words for words in positions if words), {})
+    counts = frozenset(name for name in told if not why[name])
+    if not told:
+        return None
+    even, bent = judged.direct(level, [0.0, 1.0], _under(frozenset(why)))
+    uneven = even
+    if counts == told.keys():
+        uneven = bent
+    elif counts:
+        (uneven,) = judged.direct(level, [1.0], _under(counts))
+    words = []
+    if counts:
+        by = ", ".join(told[name] for name in why if name in counts)
+        words.append(f"its pin bends, which presses {by}; {uneven:.4g} MPa")
+    words += [
+        f"not in the band: its pin bends, which presses {told[name]}: {reason}; elastic, with it, "
+        f"{bent:.4g} MPa"
+        for name, reason in why.items()
+        if name in told and reason
+    ]
+    return BeyondEven(even, uneven, bent, "; ".join(words))
 
 
 def unevenness(contact: Contact, position: int) -> dict[str, str]:
@@ -73,7 +106,10 @@ def unevenness(contact: Contact, position: int) -> dict[str, str]:
     return found
 
 
-_known: WeakKeyDictionary[Level, WeakKeyDictionary[Judged, BeyondEven | None]] = WeakKeyDictionary()
+_Why = tuple[tuple[str, str], ...]
+_known: WeakKeyDictionary[Level, WeakKeyDictionary[Judged, dict[_Why, BeyondEven | None]]] = (
+    WeakKeyDictionary()
+)
 
 
 def known_stacks(contact: Contact) -> list[tuple[BoreHarmonics, Stack]]:
@@ -110,15 +146,22 @@ def _waves(contact: Contact, bore: BoreHarmonics, position: int) -> FloatArray:
     return np.asarray(bore.waves(pressed.hats).T @ pressed.forces[:, position])
 
 
-def _under(_loads: PartLoads, level: Level, position: int, numbers: Sequence[float]) -> FloatArray:
-    """Stress (n, 6, m) at a position with shares of what uneven pressure adds."""
-    even, added = level.history.at(position), _added(level, position)
-    return np.stack([even + share * added for share in numbers], axis=-1)
+def _under(names: frozenset[str]) -> Under:
+    """Stress with shares of what uneven pressure in some bores adds."""
+
+    def under(
+        _loads: PartLoads, level: Level, position: int, numbers: Sequence[float]
+    ) -> FloatArray:
+        """Stress (n, 6, m) at a position."""
+        even, added = level.history.at(position), _added(level, position, names)
+        return np.stack([even + share * added for share in numbers], axis=-1)
+
+    return under
 
 
-def _added(level: Level, position: int) -> FloatArray:
-    """Stress (n, 6) that uneven pressure adds at a position, solved once, MPa."""
-    known = level.direct_stresses.setdefault(b"along", {})
+def _added(level: Level, position: int, names: frozenset[str]) -> FloatArray:
+    """Stress (n, 6) that uneven pressure in some bores adds at a position, solved once, MPa."""
+    known = level.direct_stresses.setdefault(f"along {sorted(names)}".encode(), {})
     if position in known:
         return known[position]
     contact = level.contact
@@ -127,7 +170,7 @@ def _added(level: Level, position: int) -> FloatArray:
     short = np.zeros((len(level.history.nodes), 6))
     for bore, stack in known_stacks(contact):
         shares = _shares(contact, bore, stack, position)
-        if shares is None:
+        if shares is None or bore.loads.interface.name not in names:
             continue
         along = BoreAlong(bore)
         pressed = contact.cycle.bores[bore.loads.interface.name]

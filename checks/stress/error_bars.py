@@ -16,7 +16,7 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
-from checks.part.pressed_along import raised_words
+from checks.part.pressed_along import Uneven, raised_words, that_count, uncounted_words
 from checks.stress.beyond_even import BeyondEven, beyond_even
 from checks.stress.clearances import (
     POSITIONS,
@@ -55,6 +55,7 @@ class Bars:
     in_bores       the largest in the bores, raised, MPa; 0 where the arc is stated
     clearances     the quantity over the clearances that fits leave; None without fits
     along          the quantity where bent pins press unevenly; None where no stack tells
+    evened         the quantity with all bent pins, MPa, where some of them are in no band; else 0
     """
 
     numerical: ErrorBar
@@ -67,6 +68,7 @@ class Bars:
     in_bores: float = 0.0
     clearances: OverClearances | None = None
     along: BeyondEven | None = None
+    evened: float = 0.0
 
 
 def bars_of(
@@ -74,7 +76,7 @@ def bars_of(
     part: Part,
     levels: Sequence[Level],
     accuracy: float,
-    uneven: Mapping[str, tuple[float, str]] | None = None,
+    uneven: Mapping[str, Uneven] | None = None,
 ) -> Bars:
     """Numerical bar, model band and a note for a quantity known on several meshes.
 
@@ -133,11 +135,17 @@ def bars_of(
     if by_arc:
         by = ", ".join(f"{degrees(a):.0f} deg {v:.4g}" for a, v in by_arc.items())
         notes.append(f"by arc of contact, MPa: {by}")
-    in_bores = 0.0
-    if by_arc and len(finest.in_bores) and (uneven or not part.arc_stated):
+    in_bores, evened, every = 0.0, 0.0, uneven or {}
+    if by_arc and len(finest.in_bores) and (every or not part.arc_stated):
+        static = isinstance(judged, StaticPeak)
+        counts = that_count(part, every, static=static)
         more = 0.0 if part.arc_stated else BEYOND_ARCS
-        in_bores = max(judged.direct(finest, arcs, RaisedInBores(more, uneven or {})))
-        notes.append(f"model band: {raised_words(part, uneven or {})}")
+        if counts or not part.arc_stated:
+            in_bores = max(judged.direct(finest, arcs, RaisedInBores(more, counts)))
+            notes.append(f"model band: {raised_words(part, counts)}")
+        if len(counts) < len(every):
+            evened = max(judged.direct(finest, arcs, RaisedInBores(more, every)))
+            notes.append(uncounted_words(part, every, evened, static=static))
     reached = [*by_arc.values(), in_bores]
     above = max(reached) - by_arc[pi] if by_arc else 0.0
     below = max((by_arc[pi] - other for other in by_arc.values()), default=0.0)
@@ -147,8 +155,9 @@ def bars_of(
         notes.append(f"by clearance of the pins, MPa: {by}; over all of them {ends}")
         above += clearances.above
         below += clearances.below
-    along = beyond_even(judged, finest)
+    along = beyond_even(judged, finest, part)
     if along is not None:
+        evened = along.bent if along.uneven != along.bent else 0.0
         notes.append(along.words)
         above += along.above
         below += along.below
@@ -156,7 +165,9 @@ def bars_of(
         notes.append(f"with bushes that are soft {clearances.soft:.4g} MPa")
         above, below = max(above, clearances.soft - value), max(below, value - clearances.soft)
     words = "; ".join(notes)
-    return Bars(bar, above, below, words, values, sizes, by_arc, in_bores, clearances, along)
+    return Bars(
+        bar, above, below, words, values, sizes, by_arc, in_bores, clearances, along, evened
+    )
 
 
 def mesh_bar(judged: Judged, levels: Sequence[Level]) -> float:

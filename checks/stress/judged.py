@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from checks.part.part_loads import PartLoads
+from checks.part.pressed_along import Uneven
 from checks.stress.solid_mesh_level import Level, peak_of
 from checks.stress.stress_result import Stressed
 from fem.recovery import von_mises
@@ -170,7 +171,7 @@ class RaisedInBores:
     """
 
     more: float
-    uneven: Mapping[str, tuple[float, str]]
+    uneven: Mapping[str, Uneven]
 
     def __call__(
         self, loads: PartLoads, level: Level, position: int, arcs: Sequence[float]
@@ -188,7 +189,8 @@ class RaisedInBores:
         mesh, nodes = level.solutions.mesh, level.history.nodes[level.in_bores]
         found = np.ones(len(nodes))
         for unit in level.solutions.interfaces:
-            most, _ = self.uneven.get(unit.interface.name, (1.0, ""))
+            one = self.uneven.get(unit.interface.name)
+            most = one.most if one else 1.0
             for name in unit.interface.surfaces:
                 of_bore = np.isin(nodes, mesh.surfaces[name])
                 found[of_bore] = np.maximum(found[of_bore], most)

@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from ballesta.machine.runs import solved_runs
+from checks.by_formula import pin_bending
 from checks.derivations.bars import solid_bars
 from checks.design.errors import DesignError
 from checks.ladder.chart_data import pins_data
@@ -16,6 +17,7 @@ from checks.models import shapes
 from checks.models.checked import raised_in_bores, rung_estimates, rung_level
 from checks.part import pressed_along
 from checks.part.loaded_part import LoadedPart
+from checks.part.pressed_along import that_count
 from checks.strength.part_strength import fatigue_use
 from checks.stress.beyond_even import beyond_even
 from checks.stress.error_bars import bars_of
@@ -62,16 +64,34 @@ def bent(tmp_path_factory):
     return loaded, first_level(loaded, Models())
 
 
+def brittle(loaded, *names):
+    """The same part, with parts of its design made of what breaks before it yields."""
+    parts = {
+        name: replace(part, material=replace(part.material, ductile=False, endurance_ratio=0.3))
+        if name in names
+        else part
+        for name, part in loaded.design.parts.items()
+    }
+    design = replace(loaded.design, parts=parts)
+    return replace(loaded, design=design, part=parts[loaded.name])
+
+
 def test_a_bent_pin_presses_the_edges_of_an_eye_more_which_the_band_holds(bent):
-    """Equal at both edges; stress there is not raised by more than the pressure is."""
-    loaded, level = bent
+    """Equal at both edges; stress there is not raised by more than the pressure is.
+
+    Static has it where the pin is brittle; fatigue always.
+    """
+    loaded = brittle(bent[0], "pin")
+    level = first_level(loaded, Models())
     for what in (StaticPeak(loaded.loads), fatigue_use(loaded)):
-        found = beyond_even(what, level)
+        found = beyond_even(what, level, loaded.part)
+        assert found.bent == found.uneven
         assert_allclose(found.even, what.value(level), rtol=1e-6)
         assert "times the mean at the edges of first" in found.words
         most = float(found.words.split("up to ")[1].split(" times")[0])
         assert 1.02 < found.uneven / found.even < most < 2.0
         bars = bars_of(what, loaded.part, [level, level], 0.2)
+        assert not bars.evened
         assert bars.above >= found.above > 0
         told, items = solid_bars(bars, "v")
         assert {"q_1", "q_2"} < {getattr(item, "symbol", "") for item in items}
@@ -87,12 +107,13 @@ def test_a_bent_pin_presses_the_edges_of_an_eye_more_which_the_band_holds(bent):
 def test_models_without_contact_have_what_bent_pins_press_in_their_band_as_well(bent, tmp_path):
     """Without a fit a formula and a solid on arcs have as much more in the bore, for its check."""
     fitted, solved = bent
-    bound, edge = fitted.uneven["first"]
+    bound, edge, _ = fitted.uneven["first"]
     assert edge == "edges"
-    contact = max(beyond_even(what, solved).uneven / beyond_even(what, solved).even
-                  for what in (StaticPeak(fitted.loads), fatigue_use(fitted)))  # fmt: skip
+    beyond = [beyond_even(what, solved, fitted.part)
+              for what in (StaticPeak(fitted.loads), fatigue_use(fitted))]  # fmt: skip
+    contact = max(one.bent / one.even for one in beyond)
     assert contact < bound < 2.0  # solved contact has the mesh's own tilt and clearance
-    loaded = rod(tmp_path, fits="")
+    loaded = brittle(rod(tmp_path, fits=""), "pin")  # so that static has it, too
     uneven = loaded.uneven
     level = first_level(loaded, Models())
     for what in (StaticPeak(loaded.loads), fatigue_use(loaded)):
@@ -106,11 +127,96 @@ def test_models_without_contact_have_what_bent_pins_press_in_their_band_as_well(
     estimate = rung_estimates(loaded, by_formula, None, lambda _: None)["static"].check
     assert "at the edges of first, as the pin bends" in estimate.note
     stated = replace(loaded, part=replace(loaded.part, arc_stated=True))
-    assert stated.uneven == uneven  # it says how the pin presses around, not along
+    assert (
+        stated.uneven["first"][:2] == uneven["first"][:2]
+    )  # it says how the pin presses around, not along
     even, raised = (bars_of(what, stated.part, [level, level], 0.2, u) for u in ({}, uneven))
     assert even.in_bores == 0.0
     assert raised.above > even.above
     assert "model band: 1." in raised.note
+
+
+def test_no_static_band_has_what_yields_at_edges_of_ductile_parts(bent, tmp_path):
+    """By contact, by a solid on arcs and by formula: even pressure, and the elastic value told."""
+    loaded, level = bent
+    what = StaticPeak(loaded.loads)
+    found = beyond_even(what, level, loaded.part)
+    kept_in = brittle(loaded, "pin")
+    elastic = beyond_even(what, first_level(kept_in, Models()), kept_in.part)
+    assert found.above == found.below == 0.0
+    assert_allclose(found.bent, elastic.uneven, rtol=1e-9)
+    bars = bars_of(what, loaded.part, [level, level], 0.2)
+    assert_allclose(bars.above, bars.clearances.above, rtol=1e-12)
+    assert bars.evened == found.bent > 1.02 * found.even
+    assert "lower bound theorem" in bars.note
+    assert f"{found.bent:.4g} MPa" in bars.note
+    told, items = solid_bars(bars, "v")
+    assert "q_2" not in {getattr(item, "symbol", "") for item in items}
+    assert "bent pins that are in no band" in told.words
+    assert "of static not: edges yield, no more" in " ".join(assumed_of(loaded, level))
+    loaded = rod(tmp_path, fits="")
+    level, kept_in = first_level(loaded, Models()), brittle(loaded, "pin")
+    bars = bars_of(what, loaded.part, [level, level], 0.2, loaded.uneven)
+    even = bars_of(what, loaded.part, [level, level], 0.2, {})
+    elastic = bars_of(what, kept_in.part, [level, level], 0.2, kept_in.uneven)
+    assert (bars.above, bars.in_bores) == (even.above, even.in_bores)
+    assert bars.evened == elastic.in_bores > bars.in_bores
+    assert f"elastic, with it, up to {bars.evened:.4g} MPa" in bars.note
+    by_formula = rung_level(loaded, shapes.model_of(loaded.part, loaded.loads))
+    straight = replace(loaded, runs={})
+    checks = [rung_estimates(one, by_formula, None, lambda _: None)["static"].check
+              for one in (loaded, straight, kept_in)]  # fmt: skip
+    assert checks[0].model == checks[1].model < checks[2].model
+    elastic = raised_in_bores(kept_in, by_formula, None)
+    assert f"elastic, with it, up to {elastic:.4g} MPa" in checks[0].note
+    use = fatigue_use(loaded)  # not covered by the theorem
+    assert raised_in_bores(loaded, by_formula, use) > raised_in_bores(straight, by_formula, use)
+
+
+def test_what_is_brittle_or_a_pin_that_does_not_hold_keeps_the_elastic_band(tmp_path):
+    """The pin's safety is that of its own checks: 0.1 % off and the verdict would move."""
+    loaded = rod(tmp_path, fits="")
+    uneven, part = loaded.uneven, loaded.part
+    assert not that_count(part, uneven, static=True)
+    assert set(that_count(part, uneven, static=False)) == {"first"}
+    for name in ("rod", "pin"):
+        one = brittle(loaded, name)
+        assert set(that_count(one.part, one.uneven, static=True)) == {"first"}
+    assert not that_count(part, brittle(loaded, "crank").uneven, static=True)
+    pin = LoadedPart.of(loaded.design, loaded.design.parts["pin"], loaded.runs)
+    own = min(check.safety for check in pin_bending.checks(pin))
+    assert_allclose(loaded.stack("first").pin_safety, own, rtol=1e-9)
+    for share, counts in ((0.999, set()), (1.001, {"first"})):
+        require = loaded.design.require.model_copy(update={"static": share * own})
+        one = replace(loaded, design=replace(loaded.design, require=require))
+        assert set(that_count(part, one.uneven, static=True)) == counts
+
+
+def test_a_pin_must_hold_the_mean_pressure_of_its_seats(tmp_path):
+    """F/(d w), more than its bending, F/2 (4 - 2/4)/(pi d^3/32), in a lug of 2 mm."""
+    stack = STACK.replace('width = "8 mm"', 'width = "2 mm"')
+    loaded = rod(tmp_path, at=4.0, stack=stack, fits="")
+    force = np.hypot(*loaded.loads.wrenches["first"][:, :2].T).max()
+    found = loaded.stack("first")
+    assert_allclose(found.pin_safety, found.pin.material.yield_stress * 12 * 2 / force, rtol=1e-9)
+
+
+def test_a_bush_that_breaks_keeps_the_elastic_band(tmp_path):
+    for name, counts in (("CuSn11P", set()), ("plastic", {"first"})):
+        (folder := tmp_path / name).mkdir()
+        bush = f', bush = {{ length = "8 mm", allowable = "100 MPa", material = "{name}" }}'
+        stack = STACK.replace('diameter = "12 mm"', 'diameter = "10 mm"') + PLASTIC
+        loaded = rod(folder, bush=bush, stack=stack, fits="")
+        assert set(that_count(loaded.part, loaded.uneven, static=True)) == counts
+
+
+def test_a_pin_that_is_no_part_claims_no_theorem(tmp_path):
+    """Where no part is the pin nothing is known of it: no band of it, and no word of one."""
+    loaded = rod(tmp_path, stack="", fits="")
+    assert loaded.uneven == {}
+    level = rung_level(loaded, shapes.model_of(loaded.part, loaded.loads))
+    check = rung_estimates(loaded, level, None, lambda _: None)["static"].check
+    assert "theorem" not in check.note
 
 
 def test_a_pin_that_does_not_bend_presses_as_evenly_as_it_was_taken(tmp_path):
@@ -185,10 +291,10 @@ def test_lugs_on_one_side_and_pins_without_a_part_are_left_out(bent, tmp_path):
 
 
 def bushed(folder, material="", **changed):
-    """The rod with a bush of 1 mm on a pin of 10 mm; its level and static bars."""
+    """The rod with a bush of 1 mm on a brittle pin of 10 mm; its level and static bars."""
     bush = f', bush = {{ length = "8 mm", allowable = "100 MPa"{material} }}'
     text = STACK.replace('diameter = "12 mm"', 'diameter = "10 mm"') + changed.get("more", "")
-    loaded = rod(folder, bush=bush, stack=text)
+    loaded = brittle(rod(folder, bush=bush, stack=text), "pin")
     level = first_level(loaded, Models())
     return loaded, level, bars_of(StaticPeak(loaded.loads), loaded.part, [level, level], 0.2)
 
