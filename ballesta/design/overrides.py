@@ -19,7 +19,7 @@ _OPTIONAL_TABLES = {
     "assumed",
 }  # fmt: skip
 _OPTIONAL_IN_ENTRY = {"column", "mesh", "pace", "shown", "stop", "guide", "interfaces", "forces",
-                      "bush", "elastic", "friction", "available", "offsets", "fits",
+                      "bush", "elastic", "friction", "available", "offsets", "fits", "bore_edges",
                       "contacts"}  # fmt: skip
 HUGE_NUMBER = "a whole number that TOML does not have: at most 9 223 372 036 854 775 807"
 _STEP = re.compile(r"([^.\[\]]+)|\[(\d+)\]")

@@ -17,6 +17,7 @@ from checks.design.stacks import check_stacks
 from checks.design.strength import FkmStrength, fkm_of
 from checks.handbook.fits import clearances_of
 from checks.result.words import clipped
+from geometry.mesh import Interface
 from geometry.parameters import GIVEN_BY_DESIGN, GIVEN_BY_LINKAGE, ParameterError
 from geometry.part_sizes import check_sizes, key_of
 from geometry.parts import SHAPES, Pin, Seat
@@ -125,6 +126,7 @@ def parts_of(
         fkm = fkm_of(key, entry, material, geometry, problems) if material.ductile else None
         clearances = _clearances(key, entry, geometry, problems)
         welds = welds_of(key, entry, geometry, material, problems)
+        _check_edges(key, entry, geometry, problems)
         made = _part(name, entry, file, geometry, material, rollers, fkm, clearances)
         parts[name] = dataclasses.replace(made, welds=welds, bushes=bushes)
     check_stacks(parts, file.parts, problems)
@@ -180,7 +182,7 @@ def _clearances(
     found: dict[str, tuple[float, float]] = {}
     if not isinstance(entry, BodyPartEntry):
         return found
-    bores = {face.name: face for face in geometry.placed_interfaces if face.kind == "bore"}
+    bores = _bores(geometry)
     if bores and "bearing_arc" in entry.model_fields_set and set(bores) <= set(entry.fits):
         problems.add(
             f"{key}.bearing_arc",
@@ -205,6 +207,18 @@ def _clearances(
                 f"of {2 * bores[name].radius:g} mm; is it in another unit?",
             )
     return found
+
+
+def _check_edges(key: str, entry: Any, geometry: Shape, problems: Problems) -> None:
+    """Tell of edges that are stated of what is no bore."""
+    bores = _bores(geometry)
+    for name in entry.bore_edges if isinstance(entry, BodyPartEntry) else ():
+        if name not in bores:
+            problems.add(f"{key}.bore_edges.{name}", no_such("bore of the part", name, bores))
+
+
+def _bores(geometry: Shape) -> dict[str, Interface]:
+    return {face.name: face for face in geometry.placed_interfaces if face.kind == "bore"}
 
 
 def _part(
@@ -245,6 +259,7 @@ def _part(
         arc_stated="bearing_arc" in entry.model_fields_set,
         beside=beside,
         clearances=clearances,
+        bore_edges=dict(entry.bore_edges) if is_body else {},
     )
 
 

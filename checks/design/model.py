@@ -231,6 +231,9 @@ class WeldEntry(Table):
     )
 
 
+EvenEdges = Literal["relieved", "crowned", "run_in"]  # of a bore or its bush, or of the pin in it
+
+
 class BodyPartEntry(PartEntry):
     """A part that is a body of the linkage."""
 
@@ -249,6 +252,12 @@ class BodyPartEntry(PartEntry):
         description="bore = ISO fit of its pin such as `H7/f7`, or the clearance on diameter such "
         "as `0.02 .. 0.06 mm`: a solid then solves where the pin presses, over all of it, and "
         "cheaper models take the arc from it and from the force, instead of `bearing_arc`",
+    )
+    bore_edges: dict[str, EvenEdges] = Field(
+        default_factory=dict,
+        description="bore = how its edges are made or worn, so that a pin that bends in its stack "
+        "presses evenly along the bore all the same; where it is not stated edges are sharp, and "
+        "the model band holds what a bent pin presses there",
     )
     contacts: dict[str, ContactEntry] = Field(
         default_factory=dict,

@@ -13,7 +13,7 @@ from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, RungTried, Status
 from checks.strength.fatigue_assessment import FatigueUse
-from checks.strength.load_doubts import load_bars
+from checks.strength.load_doubts import LoadBars, load_bars
 from checks.strength.part_strength import fatigue_use
 from checks.stress.stress_result import RungLevel, RungModel
 from fem.solvers import SolverError
@@ -37,6 +37,7 @@ class Climb:
     rubbing    the friction between leaves, if it is known beforehand
     model      the formula's stress before it is judged: of geometry, elasticity and loads alone; it
                may be known beforehand
+    doubts     bars of its loads, by the formula
     """
 
     loaded: LoadedPart
@@ -49,6 +50,7 @@ class Climb:
     unbuckled: bool = False
     rubbing: LeafBand | None = None
     model: RungModel | None = None
+    doubts: LoadBars | None = None
 
     @property
     def part(self) -> Part:
@@ -83,17 +85,10 @@ class Climb:
         if model is None:
             self.skip(FORMULA, f"there is no {FORMULA} of this shape")
             return False
-        self.level = level = rung_level(self.loaded, model)
-        self.leaves = leaves = self.rubbing or leaf_band(self.loaded)
-        doubts = load_bars(self.loads, self._values)
-        found = {
-            kind: Estimate(
-                doubts(leaves(estimate.check)), estimate.above, estimate.below, estimate.guard
-            )
-            for kind, estimate in rung_estimates(
-                self.loaded, level, self.use, lambda some: shapes.model_of(self.part, some), wanted
-            ).items()
-        }
+        self.level = rung_level(self.loaded, model)
+        self.leaves = self.rubbing or leaf_band(self.loaded)
+        self.doubts = load_bars(self.loads, self._values)
+        found = self._estimates(self.loaded, wanted)
         if load is not None and not load.share > 0.0:
             self.unbuckled = True
         self.best |= found
@@ -108,6 +103,29 @@ class Climb:
             )
         )
         return True
+
+    def _estimates(self, loaded: LoadedPart, kinds: Sequence[str]) -> dict[str, Estimate]:
+        """Estimates of the part, whose edges may be others, by kind of check."""
+        level, leaves, doubts = self.level, self.leaves, self.doubts
+        assert level is not None
+        assert leaves is not None
+        assert doubts is not None
+        return {
+            kind: Estimate(
+                doubts(leaves(estimate.check)), estimate.above, estimate.below, estimate.guard
+            )
+            for kind, estimate in rung_estimates(
+                loaded, level, self.use, lambda some: shapes.model_of(self.part, some), kinds
+            ).items()
+        }
+
+    def with_edges(self, loaded: LoadedPart, kind: str) -> tuple[Check, Check]:
+        """A check that the formula has estimated, of the part with other edges of its bores.
+
+        Twice, as formulas know no bushes (`edges_that_pass`).
+        """
+        check = self._estimates(loaded, [kind])[kind].check
+        return check, check
 
     def skip(self, rung: str, why: str, expected: float = 0.0) -> None:
         """Note a rung that was passed over, and the seconds that it was expected to take."""

@@ -1,6 +1,6 @@
 """Report of a part besides its checks: gates, meshes, facts, assumptions."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import degrees
 
 import numpy as np
@@ -209,6 +209,27 @@ def _contact_words(level: Level, contact: Contact, part: Part) -> list[str]:
             words += f"{bends}, {_in_band(part, name, fit.stack)}"
         words += "; both cheeks carry the same share" if _cheeks(contact, name) else ""
         said.append(words)
+    return said
+
+
+def edges_words(loaded: LoadedPart, bent: Mapping[str, float]) -> list[str]:
+    """Assumptions: edges that are stated to have run in, and what that takes away, in words.
+
+    bent  kind of check -> MPa, with all bent pins
+    """
+    said = []
+    for bore, edges in loaded.part.bore_edges.items():
+        words = f"bore_edges.{bore} = {edges}, as stated: pressed evenly along the pin"
+        stack = loaded.stack(bore)
+        if stack is None or bore not in loaded.uneven:
+            said.append(f"{words}; it takes nothing away: no bent pin is known to press there")
+            continue
+        by = ", ".join(
+            f"{kind} would be up to {value:.4g} MPa"
+            for kind, value in bent.items()
+            if value and not (kind == "static" and stack.yields_even)
+        )
+        said.append(f"{words}; bent, {by}" if by else words)
     return said
 
 

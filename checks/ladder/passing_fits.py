@@ -1,15 +1,18 @@
-"""Contact of pins whose fit is not stated: by an assumed one, and clearances that would pass."""
+"""Contact of pins whose fit is not stated: by an assumed one, and clearances that would pass.
 
-from collections.abc import Mapping, Sequence
+And edges of bores that would pass, had they run in.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from math import isfinite
 
 from checks.handbook.fits import DEFAULT, clearances_of
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
-from checks.part.pressed_along import why_even
+from checks.part.pressed_along import that_count, why_even
 from checks.result.verdict import Check, Status
-from checks.result.ways import clearance_fact
+from checks.result.ways import clearance_fact, edges_fact
 from checks.strength.part_strength import endurance_of
 from checks.stress.clearances import FIRST, some_positions, values_at
 from checks.stress.error_bars import Bars
@@ -133,6 +136,34 @@ def clearances_that_pass(
                 clearance_fact(check.kind, name): round(fit.clearance(share), 6)
                 for name, fit in fits.items()
             }
+    return found
+
+
+def edges_that_pass(
+    loaded: LoadedPart,
+    checks: Sequence[Check],
+    again: Callable[[LoadedPart, str], tuple[Check, Check]],
+) -> dict[str, float]:
+    """Least safety of each open check that passes with run-in edges, by fact; fewest bores first.
+
+    again  judges a kind of check of the same part with other edges, as it is and with bushes of
+           steel where their material is not stated
+    """
+    found: dict[str, float] = {}
+    part = loaded.part
+    for check in checks:
+        if check.kind not in ("static", "fatigue") or check.status is not Status.UNDECIDED:
+            continue
+        bent = sorted(that_count(part, loaded.uneven, static=check.kind == "static"))
+        sets = [*((name,) for name in bent), *([tuple(bent)] if len(bent) > 1 else [])]
+        for names in sets:
+            edges = {**part.bore_edges, **dict.fromkeys(names, "run_in")}
+            tried = again(replace(loaded, part=replace(part, bore_edges=edges)), check.kind)
+            steel = tried[0].status is not Status.PASS
+            if tried[steel].status is Status.PASS:
+                least = tried[steel].limit / tried[steel].upper
+                found[edges_fact(check.kind, names, steel=steel)] = least
+                break
     return found
 
 

@@ -13,11 +13,12 @@ from checks.ladder.chart_data import charts_of
 from checks.ladder.climb import Climb, answered
 from checks.ladder.leaf_checks import friction_facts, friction_gates, leaf_band, with_leaf_checks
 from checks.ladder.levels import Asked, Say, first_of
-from checks.ladder.part_facts import SMALL_DISPLACEMENT, facts_of
+from checks.ladder.part_facts import SMALL_DISPLACEMENT, edges_words, facts_of
 from checks.ladder.part_fields import FREE_SIZE, moved_with
+from checks.ladder.passing_fits import edges_that_pass
 from checks.ladder.section_fields import section_fields
 from checks.ladder.solid import RESCALED, check_solid
-from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC, Estimate
+from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC, Estimate, raised_in_bores
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import (
     NOT_MESHED,
@@ -60,7 +61,14 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
         facts |= fatigue_facts(part, level, peak, life_task(part, loaded.duty))
         missed = climb.use.safety_missed(level)
         gates.append(Gate(f"{part.name}: fatigue safety", missed, *RESCALED))
-    assumed = [f"{FORMULA}: {level.model.neglects}"]
+    facts |= edges_that_pass(loaded, answered(climb), climb.with_edges)
+    uses = {STATIC: None, FATIGUE: climb.use}
+    bent = {
+        kind: raised_in_bores(loaded, level, uses[kind], every=True)
+        for kind in (STATIC, FATIGUE)
+        if part.bore_edges and kind in climb.best
+    }
+    assumed = [f"{FORMULA}: {level.model.neglects}", *edges_words(loaded, bent)]
     skin = models.skin(part.geometry)
     return PartResult(
         name=part.name,

@@ -26,9 +26,16 @@ from checks.ladder.levels import (
     none_settles,
     solve_levels,
 )
-from checks.ladder.part_facts import assumed_of, contact_facts, facts_of, gates_of, mesh_row
+from checks.ladder.part_facts import (
+    assumed_of,
+    contact_facts,
+    edges_words,
+    facts_of,
+    gates_of,
+    mesh_row,
+)
 from checks.ladder.part_fields import solid_fields, with_mode
-from checks.ladder.passing_fits import clearances_that_pass, with_assumed_fits
+from checks.ladder.passing_fits import clearances_that_pass, edges_that_pass, with_assumed_fits
 from checks.models.stress_words import fatigue_words, static_words
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
@@ -111,10 +118,13 @@ def check_solid(
     stressed, by_hand = list(solved.checks), list(solved.by_hand)
     arcs = _arcs_that_pass(loaded, levels, both, stressed, solved.doubts)
     arcs |= clearances_that_pass(by_arcs.loaded, by_arcs.finest, both, stressed, solved.bars)
+    arcs |= _edges_that_pass(loaded, levels, both, stressed, solved.doubts)
     buckled = Buckled()
     if "buckling" in asked.kinds:
         buckled = judge_buckling(by_arcs.loaded, models, levels, solved.sizes)
     assumed = assumed_of(loaded, finest)
+    evened = {_kind(what): bars.evened for what, bars in solved.bars.items()}
+    assumed += edges_words(loaded, evened)
     if finest.half:
         assumed.append(MEANING)
     if buckled.untold:
@@ -323,7 +333,7 @@ def _arcs_that_pass(
 
     found = {}
     for what in judged:
-        kind = "static" if isinstance(what, StaticPeak) else "fatigue"
+        kind = _kind(what)
         for check in checks:
             if check.kind != kind or check.status is not Status.UNDECIDED:
                 continue
@@ -333,6 +343,29 @@ def _arcs_that_pass(
             if wider and passes(what, wider[-1]):
                 found[arc_fact(kind)] = degrees(next(arc for arc in wider if passes(what, arc)))
     return found
+
+
+def _edges_that_pass(
+    loaded: LoadedPart,
+    levels: Sequence[Level],
+    judged: Sequence[Judged],
+    checks: Sequence[Check],
+    doubts: LoadBars,
+) -> dict[str, float]:
+    """As `edges_that_pass`, on the last meshes; checks whose place is singular are left out."""
+    by_kind = {_kind(what): what for what in judged}
+
+    def again(other: LoadedPart, kind: str) -> tuple[Check, Check]:
+        found = _judgement(other, levels, by_kind[kind], doubts)
+        check, bars = found.check, found.bars
+        return check, replace(check, model=check.model - bars.above + bars.above_steel)
+
+    known = [check for check in checks if isfinite(check.numerical) and check.kind in by_kind]
+    return edges_that_pass(loaded, known, again)
+
+
+def _kind(what: Judged) -> str:
+    return "static" if isinstance(what, StaticPeak) else "fatigue"
 
 
 def mesh_values(loaded: LoadedPart, level: Level) -> Callable[[PartLoads], Mapping[str, float]]:

@@ -5,9 +5,9 @@ the line load along it is solved, too (fem/contact/line_load.py), with the least
 fit and other lugs free to tilt, which bend it most; the part's own cheeks tilt as its mesh does.
 The judged stress under that pressure is the model band's. Pins with lugs on one side are left out.
 
-What edges have more than under even pressure counts in no static band where part and pin are
-ductile and the pin holds under even pressure: by the lower bound theorem of limit analysis the
-edges yield, no more (docs/theory/contact.md).
+What edges have more than under even pressure counts in no band where they are stated to have run
+in, nor in a static one where part and pin are ductile and the pin holds under even pressure: by the
+lower bound theorem of limit analysis the edges yield, no more (docs/theory/contact.md).
 """
 
 from collections.abc import Mapping, Sequence
@@ -239,6 +239,9 @@ def why_even(part: Part, bore: str, stack: Stack, *, static: bool) -> str:
 
     static  True for the static check
     """
+    stated = part.bore_edges.get(bore)
+    if stated is not None:
+        return f"its edges are stated as {stated.replace('_', ' ')}"
     if static and stack.yields_even:
         return (
             f"edges yield, no more (lower bound theorem), as part and pin are ductile and "

@@ -50,6 +50,15 @@ def clearance_fact(kind: str, bore: str) -> str:
     return f"{kind}: passes by contact with a clearance in {bore} up to [mm]"
 
 
+def edges_fact(kind: str, bores: Sequence[str], *, steel: bool = False) -> str:
+    """Name of the fact: least safety of an open check that passes with edges that have run in.
+
+    steel  True where it takes bushes as stiff as steel as well
+    """
+    bushes = " and bushes as stiff as steel" if steel else ""
+    return f"{kind}: passes with run-in edges{bushes}, least safety, of {', '.join(bores)}"
+
+
 def ways_out(result: DesignResult) -> list[Way]:
     """Return the ways of a result, the cheapest first; those whose time is not known come last.
 
@@ -98,6 +107,7 @@ def _of_check(
             *_by_clearance(result, check, settles, part),
             *_by_arc(result, check, settles, part),
             *_by_bush(check, settles),
+            *_by_edges(result, check, settles, part),
             *_by_mesh(result, check, settles, part),
             *_by_model(result, check, settles, part),
         ]
@@ -235,6 +245,29 @@ def _by_bush(check: Check, settles: str) -> Iterator[Way]:
             "state what the bushes of its pins are made of (bush.material in their stacks): as "
             "stiff as steel it passes",
         )
+
+
+def _by_edges(result: DesignResult, check: Check, settles: str, part: PartResult) -> Iterator[Way]:
+    """Where even pressure along pins that bend leaves the limit above the bars."""
+    for steel in (False, True):
+        begins = edges_fact(check.kind, (), steel=steel)
+        for name, least in part.facts.items():
+            if not name.startswith(begins):
+                continue
+            bores = name.removeprefix(begins).split(", ")
+            bushes = ", and what bushes are made of (bush.material): as stiff as steel" * steel
+            text = (
+                f"state that edges of {' and '.join(bores)} are relieved, crowned or have run in "
+                f"(bore_edges), where they are{bushes}: pressed evenly along, {check.kind} "
+                f"passes here with a safety of at least {number(least, 3)}"
+            )
+            stated = [f'parts.{part.name}.bore_edges.{bore}="run_in"' for bore in bores]
+            yield Way(
+                settles,
+                text,
+                "" if steel else _with(result, *stated),
+                None if steel else _again(result),
+            )
 
 
 def _by_mesh(result: DesignResult, check: Check, settles: str, part: PartResult) -> Iterator[Way]:

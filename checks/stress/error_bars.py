@@ -55,6 +55,7 @@ class Bars:
     in_bores       the largest in the bores, raised, MPa; 0 where the arc is stated
     clearances     the quantity over the clearances that fits leave; None without fits
     along          the quantity where bent pins press unevenly; None where no stack tells
+    above_steel    `above` with bushes as stiff as steel where their material is not stated
     evened         the quantity with all bent pins, MPa, where some of them are in no band; else 0
     """
 
@@ -69,6 +70,7 @@ class Bars:
     clearances: OverClearances | None = None
     along: BeyondEven | None = None
     evened: float = 0.0
+    above_steel: float = 0.0
 
 
 def bars_of(
@@ -161,12 +163,13 @@ def bars_of(
         notes.append(along.words)
         above += along.above
         below += along.below
+    steel = above
     if clearances is not None and clearances.soft is not None:  # even along, and on a wider arc
         notes.append(f"with bushes that are soft {clearances.soft:.4g} MPa")
         above, below = max(above, clearances.soft - value), max(below, value - clearances.soft)
     words = "; ".join(notes)
     return Bars(
-        bar, above, below, words, values, sizes, by_arc, in_bores, clearances, along, evened
+        bar, above, below, words, values, sizes, by_arc, in_bores, clearances, along, evened, steel
     )
 
 

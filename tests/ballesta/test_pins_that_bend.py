@@ -11,13 +11,17 @@ from checks.by_formula import pin_bending
 from checks.derivations.bars import solid_bars
 from checks.design.errors import DesignError
 from checks.ladder.chart_data import pins_data
+from checks.ladder.climb import start_climb
 from checks.ladder.levels import first_level
-from checks.ladder.part_facts import assumed_of
+from checks.ladder.part_facts import assumed_of, edges_words
+from checks.ladder.result import cheap_result
 from checks.models import shapes
 from checks.models.checked import raised_in_bores, rung_estimates, rung_level
 from checks.part import pressed_along
 from checks.part.loaded_part import LoadedPart
 from checks.part.pressed_along import that_count
+from checks.result.verdict import Status
+from checks.result.ways import edges_fact
 from checks.strength.part_strength import fatigue_use
 from checks.stress.beyond_even import beyond_even
 from checks.stress.error_bars import bars_of
@@ -208,6 +212,66 @@ def test_a_bush_that_breaks_keeps_the_elastic_band(tmp_path):
         stack = STACK.replace('diameter = "12 mm"', 'diameter = "10 mm"') + PLASTIC
         loaded = rod(folder, bush=bush, stack=stack, fits="")
         assert set(that_count(loaded.part, loaded.uneven, static=True)) == counts
+
+
+def run_in(loaded, **edges):
+    """The same part with edges of its bores as stated."""
+    return replace(loaded, part=replace(loaded.part, bore_edges=edges))
+
+
+def test_edges_that_are_stated_to_have_run_in_take_the_bent_pin_out_of_both_bands(bent, tmp_path):
+    """By contact, on arcs and by formula, of a brittle pin as well; what it takes away is told."""
+    loaded = brittle(bent[0], "pin")
+    level = first_level(loaded, Models())
+    even = run_in(loaded, first="crowned")
+    told = {}
+    for kind, what in (("static", StaticPeak(loaded.loads)), ("fatigue", fatigue_use(loaded))):
+        was, now = (bars_of(what, one.part, [level, level], 0.2) for one in (loaded, even))
+        assert_allclose(now.above, now.clearances.above, rtol=1e-12)
+        assert was.above > now.above
+        assert now.evened == was.along.uneven > what.value(level)
+        assert "its edges are stated as crowned" in now.note
+        told[kind] = now.evened
+    (said,) = edges_words(even, told)
+    assert said.startswith("bore_edges.first = crowned, as stated: pressed evenly along the pin")
+    assert said.endswith(f"static would be up to {told['static']:.4g} MPa, "
+                         f"fatigue would be up to {told['fatigue']:.4g} MPa")  # fmt: skip
+    (said,) = edges_words(run_in(bent[0], first="crowned"), told)
+    assert "static" not in said  # ductile: statics had left it out before
+    (said,) = edges_words(run_in(loaded, second="run_in"), told)
+    assert "it takes nothing away: no bent pin is known to press there" in said
+    assert "in no band: its edges are stated as crowned" in " ".join(assumed_of(even, level))
+    loaded = rod(tmp_path, fits="")
+    level, use = first_level(loaded, Models()), fatigue_use(loaded)
+    even = run_in(loaded, first="run_in")
+    straight, stated = (bars_of(use, even.part, [level, level], 0.2, u) for u in ({}, even.uneven))
+    assert (stated.above, stated.in_bores) == (straight.above, straight.in_bores)
+    level = rung_level(loaded, shapes.model_of(loaded.part, loaded.loads))
+    same = [raised_in_bores(one, level, use) for one in (even, replace(loaded, runs={}))]
+    assert same[0] == same[1] < raised_in_bores(loaded, level, use)
+    elsewhere = run_in(loaded, second="run_in")
+    assert raised_in_bores(elsewhere, level, use) == raised_in_bores(loaded, level, use)
+
+
+def test_a_check_that_bent_pins_leave_open_names_the_edges_that_settle_it(tmp_path):
+    """By formula; stated so, it passes with the safety that was named, and on no less."""
+    loaded = rod(tmp_path, fits="")
+    first = start_climb(loaded)
+    assert first.by_formula()
+    checks = [first.best["fatigue"].check, start_climb(run_in(loaded, first="run_in"))]
+    assert checks[1].by_formula()
+    even = checks[1].best["fatigue"].check
+    assert even.upper < checks[0].upper
+    fact = edges_fact("fatigue", ["first"])
+    for need, named in ((even.limit / even.upper, True), (1.001 * even.limit / even.upper, False)):
+        require = loaded.design.require.model_copy(update={"fatigue": need * (1 - 1e-9)})
+        climb = start_climb(replace(loaded, design=replace(loaded.design, require=require)))
+        assert climb.by_formula()
+        assert climb.best["fatigue"].check.status is Status.UNDECIDED
+        facts = cheap_result(climb, Models()).facts
+        assert (fact in facts) is named
+        if named:
+            assert_allclose(facts[fact], even.limit / even.upper, rtol=1e-9)
 
 
 def test_a_pin_that_is_no_part_claims_no_theorem(tmp_path):

@@ -10,7 +10,7 @@ from checks.design.effort import Effort
 from checks.models import bands
 from checks.result.derivation import Derivation, Given, Section
 from checks.result.verdict import Gate, RungTried, Status
-from checks.result.ways import arc_fact, clearance_fact, ways_out
+from checks.result.ways import arc_fact, clearance_fact, edges_fact, ways_out
 
 from ...reports.results import check, design, part
 from ...small_machine import PLATE, machine
@@ -146,6 +146,24 @@ def test_a_better_model_is_a_way_only_for_what_it_may_settle():
     assert (way.command, way.seconds) == ("ballesta check toggle_press.toml", 65.25)
     for_good = replace(told, left=[])
     assert not only(design(part(checks=[by_formula], rungs=[for_good]))).command
+
+
+def test_edges_that_would_settle_it_are_keys_of_their_bores_with_the_safety_they_give():
+    """One command for both checks; with bushes there is none, as their material is not known."""
+    both = [BY_MODEL, replace(BY_MODEL, kind="fatigue")]
+    bores = ("knee", "end")
+    facts = {edges_fact("static", bores): 1.61, edges_fact("fatigue", bores): 1.7}
+    way = only(design(part(checks=both, facts={"mass [kg]": 4.1, **facts})))
+    assert way.settles == "static of bar_upper, fatigue of bar_upper"
+    assert "edges of knee and end are relieved, crowned or have run in" in way.text
+    assert way.text.endswith("static passes here with a safety of at least 1.61")
+    stated = [f"'parts.bar_upper.bore_edges.{bore}=\"run_in\"'" for bore in bores]
+    assert way.command.endswith(f"--set {stated[0]} --set {stated[1]}")
+    facts = {edges_fact("static", ("knee",), steel=True): 1.5}
+    way = only(design(part(checks=[BY_MODEL], facts={"mass [kg]": 4.1, **facts})))
+    assert "as stiff as steel" in way.text
+    assert (way.command, way.seconds) == ("", None)
+    assert only(design(part(checks=[both[1]], facts=facts))).text.startswith("nothing here")
 
 
 def test_a_broken_gate_has_its_key_or_says_what_to_do():
