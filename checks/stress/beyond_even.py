@@ -1,7 +1,8 @@
 """A judged stress where bent pins press unevenly along a part's bores."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -9,11 +10,29 @@ import numpy as np
 from checks.part.part_loads import PartLoads, first_largest
 from checks.part.pressed_along import Stack, most_pressed
 from checks.stress.judged import Judged
-from checks.stress.pins_in_bores import Contact
+from checks.stress.pins_in_bores import LEAST, MIDDLE, Contact
 from checks.stress.solid_mesh_level import Level
 from fem.contact.bore import BoreHarmonics
+from fem.contact.cycle import BorePressure
 from fem.contact.uneven import BoreAlong
 from geometry.mesh import FloatArray
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How pins are set as a stress is asked for.
+
+    share   of the range of clearances, at which the even contact is solved
+    bends   the same, at which pins bend: the least clearance bends them most
+    factor  on all loads; stresses are over it (`Contact`)
+    """
+
+    share: float = MIDDLE
+    bends: float = LEAST
+    factor: float = 1.0
+
+
+AS_JUDGED = Setting()
 
 
 @dataclass(frozen=True)
@@ -39,7 +58,7 @@ class BeyondEven:
         return max(self.even - self.uneven, 0.0)
 
 
-def beyond_even(judged: Judged, level: Level) -> BeyondEven | None:
+def beyond_even(judged: Judged, level: Level, at: Setting = AS_JUDGED) -> BeyondEven | None:
     """The quantity under uneven pressure, at the positions that decide it under an even one.
 
     None where no bore has a pin whose stack is known, or all carry nothing.
@@ -51,21 +70,21 @@ def beyond_even(judged: Judged, level: Level) -> BeyondEven | None:
     if not bores:
         return None
     known = _known.setdefault(level, WeakKeyDictionary())
-    if judged not in known:
-        even, uneven = judged.direct(level, [0.0, 1.0], _under)
+    if at not in known.setdefault(judged, {}):
+        even, uneven = judged.direct(level, [0.0, 1.0], partial(_under, at))
         said = (unevenness(contact, position) for position in judged.deciding(level))
         told = next((words for words in said if words), {})
         by = ", ".join(told[name] for bore in bores if (name := bore.loads.interface.name) in told)
         words = f"its pin bends, which presses {by}; {uneven:.4g} MPa"
-        known[judged] = BeyondEven(even, uneven, words) if by else None
-    return known[judged]
+        known[judged][at] = BeyondEven(even, uneven, words) if by else None
+    return known[judged][at]
 
 
 def unevenness(contact: Contact, position: int) -> dict[str, str]:
     """By bore, where a bent pin presses most at a position, in words; of stacks that are known."""
     found = {}
     for bore, stack in known_stacks(contact):
-        shares = _shares(contact, bore, stack, position)
+        shares = _shares(contact, bore, stack, position, AS_JUDGED)
         if shares is not None:
             name = bore.loads.interface.name
             most, edge = most_pressed(shares)
@@ -73,7 +92,8 @@ def unevenness(contact: Contact, position: int) -> dict[str, str]:
     return found
 
 
-_known: WeakKeyDictionary[Level, WeakKeyDictionary[Judged, BeyondEven | None]] = WeakKeyDictionary()
+_known: WeakKeyDictionary[Level, WeakKeyDictionary[Judged, dict[Setting, BeyondEven | None]]]
+_known = WeakKeyDictionary()
 
 
 def known_stacks(contact: Contact) -> list[tuple[BoreHarmonics, Stack]]:
@@ -87,10 +107,11 @@ def known_stacks(contact: Contact) -> list[tuple[BoreHarmonics, Stack]]:
 
 
 def _shares(
-    contact: Contact, bore: BoreHarmonics, stack: Stack, position: int
+    contact: Contact, bore: BoreHarmonics, stack: Stack, position: int, at: Setting
 ) -> FloatArray | None:
     """The a_k (n,) of the line load in a bore; None where nothing presses there."""
-    forces = contact.cycle.bores[bore.loads.interface.name].forces.sum(axis=0)
+    name = bore.loads.interface.name
+    forces = contact.cycle.bores[name].forces.sum(axis=0)
     if not forces[position] > 0:
         return None
     heaviest = int(first_largest(forces)[0])
@@ -99,40 +120,55 @@ def _shares(
         return None
     tilt = bore.once(
         "tilt", stack, lambda: np.array([BoreAlong(bore).tilt(
-            stack.bar, lugs[own], _waves(contact, bore, heaviest))])
+            stack.bar, lugs[own], _waves(bore, contact.cycle.bores[name], heaviest))])
     )  # fmt: skip
-    return stack.shares(position, float(tilt[0]))
+    clearance = contact.pins.fits[name].clearance(at.bends) / at.factor
+    return replace(stack, clearance=clearance).shares(position, float(tilt[0]))
 
 
-def _waves(contact: Contact, bore: BoreHarmonics, position: int) -> FloatArray:
+def _waves(bore: BoreHarmonics, pressed: BorePressure, position: int) -> FloatArray:
     """Long waves (2 last + 1,), N, of the even pressure in a bore."""
-    pressed = contact.cycle.bores[bore.loads.interface.name]
     return np.asarray(bore.waves(pressed.hats).T @ pressed.forces[:, position])
 
 
-def _under(_loads: PartLoads, level: Level, position: int, numbers: Sequence[float]) -> FloatArray:
+def _under(
+    at: Setting, _loads: PartLoads, level: Level, position: int, numbers: Sequence[float]
+) -> FloatArray:
     """Stress (n, 6, m) at a position with shares of what uneven pressure adds."""
-    even, added = level.history.at(position), _added(level, position)
+    even, added = _even(level, position, at), _added(level, position, at)
     return np.stack([even + share * added for share in numbers], axis=-1)
 
 
-def _added(level: Level, position: int) -> FloatArray:
+def _even(level: Level, position: int, at: Setting) -> FloatArray:
+    """Stress (n, 6) under even pressure at a position, MPa."""
+    contact, here = level.contact, np.array([position])
+    assert contact is not None
+    if contact.is_middle(at.share) and at.factor == 1.0:
+        return level.history.at(position)
+    basis = level.history.basis
+    stress = np.asarray(basis @ contact.solutions.state(contact.over(here, at.share, at.factor)))
+    contact.add_short_waves(stress, np.arange(len(basis)), here, at.share, at.factor)
+    return stress[:, :, 0]
+
+
+def _added(level: Level, position: int, at: Setting) -> FloatArray:
     """Stress (n, 6) that uneven pressure adds at a position, solved once, MPa."""
-    known = level.direct_stresses.setdefault(b"along", {})
+    known = level.direct_stresses.setdefault(f"along {at}".encode(), {})
     if position in known:
         return known[position]
     contact = level.contact
     assert contact is not None
     vector = np.zeros(3 * len(level.solutions.mesh.nodes))
     short = np.zeros((len(level.history.nodes), 6))
+    even = contact.over(np.array([position]), at.share, at.factor)
     for bore, stack in known_stacks(contact):
-        shares = _shares(contact, bore, stack, position)
+        shares = _shares(contact, bore, stack, position, at)
         if shares is None:
             continue
         along = BoreAlong(bore)
-        pressed = contact.cycle.bores[bore.loads.interface.name]
-        vector += along.vector(_waves(contact, bore, position), shares)
-        pressure = bore.short_waves(pressed.hats, pressed.forces[:, [position]])[:, 0]
+        pressed = even.bores[bore.loads.interface.name]
+        vector += along.vector(_waves(bore, pressed, 0), shares)
+        pressure = bore.short_waves(pressed.hats, pressed.forces)[:, 0]
         short[bore.points] += along.short_wave_stress(pressure, shares)
     moved = level.solutions.solve(vector[:, None])
     known[position] = level.stress_of(moved)[:, :, 0] + short
