@@ -2,8 +2,8 @@
 
 No part is solved again: the stresses stay, and the formulas of the checks' derivations are
 evaluated with other numbers put in. Error bars stay in proportion to their value. A factor on all
-loads divides the safeties, but where pins press by contact, whose arc it changes. Clearances and
-arcs of pins lie between those that a solid's check has solved (`checks.ladder.chart_data`).
+loads divides the safeties. Where pins press by contact, whose arc it changes, loads, clearances and
+arcs lie between those that a solid's check has solved (`checks.ladder.chart_data`).
 """
 
 import re
@@ -49,7 +49,6 @@ _FACTORS = (
     2.0,
 )
 _CLEARANCES = tuple(k / 32 for k in (0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 14, 16, 20, 24, 28, 32))
-_SMOOTH = 0.02  # of a value, by which a solved one may lie off the line through its neighbours
 _HALF = 180.0
 _ARCS = (90.0, 105.0, 120.0, 135.0, 150.0, 165.0, _HALF)  # deg
 _UNTOLD = "untold"  # among changes: no formula tells what they do
@@ -107,13 +106,14 @@ def what_if(result: DesignResult) -> Markup | None:
         for check, title in zip(result.checks, check_titles(result.checks), strict=True)
         if (found := _check(check, title, levers, check is result.deciding)) is not None
     ]
-    for each, check in zip(checks, (check for check in result.checks if check.value), strict=True):
-        pressed = check.part in contacts and check.method.startswith(SOLID)
-        each["load"] = None if pressed else _exponent_of_load(check)
-        each["pins"] = _by_pins(check, levers)
     if not checks:
         return None
     load = levers.number(levers.load())
+    for each, check in zip(checks, (check for check in result.checks if check.value), strict=True):
+        pressed = check.part in contacts and check.method.startswith(SOLID)
+        followed = pressed and check.kind in ("static", "fatigue")
+        each["load"] = 0 if followed else _exponent_of_load(check)
+        each["pins"] = _by_pins(check, levers, followed)
     data = {
         "command": result.command,
         "doubted": any(gate.binding and not gate.holds for gate in result.gates),
@@ -150,13 +150,15 @@ def _check(check: Check, title: str, levers: "_Levers", governs: bool) -> dict[s
     } | ({"fixed": True} if required is None else {})
 
 
-def _by_pins(check: Check, levers: "_Levers") -> list[dict[str, Any]]:
+def _by_pins(check: Check, levers: "_Levers", pressed: bool) -> list[dict[str, Any]]:
     """A check's value and bars by the settings of its pins, each over the value as it is.
+
+    pressed  contact decides it, which a factor on all loads changes, too
 
     None where a setting is not followed: the stress of a like part that no solid was solved for.
     """
     found = []
-    for lever, settings in levers.of_pins(check):
+    for lever, settings in (*levers.of_pins(check), *([levers.of_load(check)] if pressed else [])):
         rows = [one and [one.value, one.upper, one.lower] for one in settings]
         found.append({"lever": levers.number(lever), "rows": rows})
     return found
@@ -281,6 +283,12 @@ class _Levers:
         return Lever(
             _LOAD, "load factor", f"{now:g}", {text: {} for text in sorted(texts, key=float)}
         )
+
+    def of_load(self, check: Check) -> tuple[Lever, list["Pressed | None"]]:
+        """Factor on all loads, and a check by it whose pins press by contact."""
+        lever, kinds = self.load(), self.parts[check.part].charts.get("pins", {}).get("kinds", {})
+        own, now = kinds.get(check.kind), float(lever.now)
+        return lever, [own and _by_load(check, own, float(text) / now) for text in lever.changes]
 
     def required(self, check: Check) -> Lever | None:
         """Required safety of a check's kind; None where another one is required of it."""
@@ -456,7 +464,7 @@ class _Levers:
         arcs = [kind["arcs"] for kind in pins.get("kinds", {}).values() if "arcs" in kind]
         if not arcs:
             return None
-        narrow = min(arc for arc, _ in arcs[0])
+        narrow = min(arc for arc, *_ in arcs[0])
         key = f"parts.{owner}.bearing_arc"
         now = f"{narrow:g} deg" if key in self.stated else "not stated"
         changes: dict[str, Changes] = {now: {}}
@@ -485,26 +493,51 @@ class Pressed:
 
 def _by_clearance(check: Check, own: Mapping[str, Any], at: Changes) -> Pressed | None:
     """At one clearance: no band of clearances is left, the other bars stay in proportion."""
-    above, below = check.model - own["above"], check.below - own["below"]
-    if not at:
-        return _pressed(check, check.value, check.model, check.below)
-    if not _is_smooth(own.get("clearances", ())):
+    return _by_row(check, own, own.get("clearances", ()), at["share"]) if at else _as_is(check)
+
+
+def _by_load(check: Check, own: Mapping[str, Any], factor: float) -> Pressed | None:
+    """Under a factor on all loads; between solved ones on lines over its logarithm."""
+    if factor == 1.0:
+        return _as_is(check)
+    rows = [[log(row[0]), *row[1:]] for row in own.get("loads", ())]
+    inside = rows and rows[0][0] <= log(factor) <= rows[-1][0]
+    return _by_row(check, own, rows, log(factor), factor) if inside else None
+
+
+def _by_row(
+    check: Check,
+    own: Mapping[str, Any],
+    rows: Sequence[Sequence[float]],
+    at: float,
+    times: float = 1.0,
+) -> Pressed | None:
+    """Times what the rows have at a setting; the other bars stay in proportion to the value."""
+    if not rows:
         return None
-    value = _between(own["clearances"], at["share"])
+    value, *sides = (times * _between([(row[0], row[k]) for row in rows], at) for k in (1, 2, 3))
     less = value / check.value
-    return _pressed(check, value, above * less, below * less, check.numerical * less)
+    others = check.model - own["band"][0], check.below - own["band"][1]
+    above, below = (side + less * other for side, other in zip(sides, others, strict=True))
+    return _pressed(check, value, above, below, check.numerical * less)
 
 
 def _by_arc(check: Check, own: Mapping[str, Any], at: Changes) -> Pressed | None:
     """With an arc stated the value is still the half circle's; its band reaches to this arc."""
     if not at:
-        return _pressed(check, check.value, check.model, check.below)
-    if not _is_smooth(own.get("arcs", ())):
+        return _as_is(check)
+    if "arcs" not in own:
         return None
-    half = _between(own["arcs"], _HALF)
-    some = [_between(own["arcs"], arc) for arc in (at["arc"], (_HALF + at["arc"]) / 2, _HALF)]
-    above = check.model - own["above"] + max(some) - half
-    return _pressed(check, check.value, above, check.below - own["below"] + half - min(some))
+    values = [row[:2] for row in own["arcs"]]
+    most, half = [(arc, reached) for arc, _, reached in own["arcs"]], _between(values, _HALF)
+    arcs = at["arc"], (_HALF + at["arc"]) / 2, _HALF
+    above = check.model - own["of_arcs"][0] + max(_between(most, arc) for arc in arcs) - half
+    below = check.below - own["of_arcs"][1] + half - min(_between(values, arc) for arc in arcs)
+    return _pressed(check, check.value, above, below)
+
+
+def _as_is(check: Check) -> Pressed:
+    return _pressed(check, check.value, check.model, check.below)
 
 
 def _pressed(
@@ -513,20 +546,6 @@ def _pressed(
     bar = check.numerical if numerical is None else numerical
     ends = value + bar + max(above, 0.0), value - bar - max(below, 0.0)
     return Pressed(value / check.value, ends[0] / check.value, ends[1] / check.value)
-
-
-def _is_smooth(points: Sequence[Sequence[float]]) -> bool:
-    """True if each solved value lies within 2 % of the line through its neighbours.
-
-    So everything between them is known better. Where the end of a pin's pressure passes from
-    node to node a stress may jump, and no value is given.
-    """
-    ordered = sorted(map(tuple, points))
-    off = [
-        abs(_between((before, after), at) / value - 1)
-        for before, (at, value), after in zip(ordered, ordered[1:], ordered[2:], strict=False)
-    ]
-    return bool(off) and max(off) <= _SMOOTH
 
 
 def _between(points: Sequence[Sequence[float]], at: float) -> float:

@@ -227,7 +227,7 @@ def edges_words(loaded: LoadedPart, bent: Mapping[str, float]) -> list[str]:
         by = ", ".join(
             f"{kind} would be up to {value:.4g} MPa"
             for kind, value in bent.items()
-            if value and not (kind == "static" and stack.yields_even)
+            if value and not (kind == "static" and stack.yields_even())
         )
         said.append(f"{words}; bent, {by}" if by else words)
     return said

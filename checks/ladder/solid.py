@@ -144,7 +144,7 @@ def check_solid(
         meshes=[{"body": "half" if lv.half else "whole", **mesh_row(lv)} for lv in levels],
         facts=solid_facts(loaded, levels, use, properties, asked) | arcs,
         charts=charts_of(loaded, finest, use, levels)
-        | (pins_data(finest, solved.bars) if asked.live else {}),
+        | (pins_data(part, finest, solved.bars, loaded.uneven) if asked.live else {}),
         surface=shown_surface(loads, finest),
         assumed=assumed,
         mode=buckled.mode,

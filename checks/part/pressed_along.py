@@ -99,8 +99,7 @@ class Stack:
             stress = max(stress, self.loads.resultant(seat.name).max() / area)
         return self.pin.material.yield_stress / float(stress) if stress else inf
 
-    @cached_property
-    def yields_even(self) -> bool:
+    def yields_even(self, factor: float = 1.0) -> bool:
         """True if even pressure is known to be carried once edges yield: the lower bound theorem.
 
         Part, pin and bush are ductile, and the pin holds under even pressure with the safety that
@@ -110,7 +109,7 @@ class Stack:
         materials = [self.pin.material, self.pin.bushes.get(self.bore)]
         materials += [part.material] if part else []
         ductile = all(material.ductile for material in materials if material is not None)
-        return ductile and self.pin_safety >= self.design.require.static
+        return ductile and self.pin_safety >= factor * self.design.require.static
 
     def lugs(self, position: int, tilt: float) -> tuple[list[Lug], int]:
         """Lugs that carry a force, and which of them is the part's: the upper one of a pair.
@@ -234,15 +233,16 @@ class Uneven(NamedTuple):
     stack: Stack
 
 
-def why_even(part: Part, bore: str, stack: Stack, *, static: bool) -> str:
+def why_even(part: Part, bore: str, stack: Stack, *, static: bool, factor: float = 1.0) -> str:
     """Why what a bent pin presses more at a bore's edges counts in no band; "" where it does.
 
     static  True for the static check
+    factor  on all loads
     """
     stated = part.bore_edges.get(bore)
     if stated is not None:
         return f"its edges are stated as {stated.replace('_', ' ')}"
-    if static and stack.yields_even:
+    if static and stack.yields_even(factor):
         return (
             f"edges yield, no more (lower bound theorem), as part and pin are ductile and "
             f"{stack.pin.name} has a safety of {stack.pin_safety:.3g} under even pressure"

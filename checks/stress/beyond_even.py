@@ -1,7 +1,7 @@
 """A judged stress where bent pins press unevenly along a part's bores."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -10,11 +10,29 @@ from checks.design.data import Part
 from checks.part.part_loads import PartLoads, first_largest
 from checks.part.pressed_along import Stack, most_pressed, why_even
 from checks.stress.judged import Judged, StaticPeak, Under
-from checks.stress.pins_in_bores import Contact
+from checks.stress.pins_in_bores import LEAST, MIDDLE, Contact
 from checks.stress.solid_mesh_level import Level
 from fem.contact.bore import BoreHarmonics
+from fem.contact.cycle import BorePressure
 from fem.contact.uneven import BoreAlong
 from geometry.mesh import FloatArray
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How pins are set as a stress is asked for.
+
+    share   of the range of clearances, at which the even contact is solved
+    bends   the same, at which pins bend: the least clearance bends them most
+    factor  on all loads; stresses are over it (`Contact`)
+    """
+
+    share: float = MIDDLE
+    bends: float = LEAST
+    factor: float = 1.0
+
+
+AS_JUDGED = Setting()
 
 
 @dataclass(frozen=True)
@@ -42,7 +60,9 @@ class BeyondEven:
         return max(self.even - self.uneven, 0.0)
 
 
-def beyond_even(judged: Judged, level: Level, part: Part) -> BeyondEven | None:
+def beyond_even(
+    judged: Judged, level: Level, part: Part, at: Setting = AS_JUDGED
+) -> BeyondEven | None:
     """The quantity under uneven pressure, at the positions that decide it under an even one.
 
     part  states how the edges of its bores are
@@ -54,20 +74,22 @@ def beyond_even(judged: Judged, level: Level, part: Part) -> BeyondEven | None:
         return None
     static = isinstance(judged, StaticPeak)
     why = {
-        (name := bore.loads.interface.name): why_even(part, name, stack, static=static)
+        (name := bore.loads.interface.name): why_even(
+            part, name, stack, static=static, factor=at.factor
+        )
         for bore, stack in known_stacks(contact)
     }
     if not why:
         return None
     known = _known.setdefault(level, WeakKeyDictionary()).setdefault(judged, {})
-    said = tuple(sorted(why.items()))
-    if said not in known:
-        known[said] = _beyond(judged, level, contact, why)
-    return known[said]
+    asked = (at, tuple(sorted(why.items())))
+    if asked not in known:
+        known[asked] = _beyond(judged, level, contact, why, at)
+    return known[asked]
 
 
 def _beyond(
-    judged: Judged, level: Level, contact: Contact, why: Mapping[str, str]
+    judged: Judged, level: Level, contact: Contact, why: Mapping[str, str], at: Setting
 ) -> BeyondEven | None:
     """Uneven pressure; why: bore -> why its bent pin counts in no band, "" where it does."""
     positions = (unevenness(contact, position) for position in judged.deciding(level))
@@ -75,12 +97,12 @@ def _beyond(
     counts = frozenset(name for name in told if not why[name])
     if not told:
         return None
-    even, bent = judged.direct(level, [0.0, 1.0], _under(frozenset(why)))
+    even, bent = judged.direct(level, [0.0, 1.0], _under(frozenset(why), at))
     uneven = even
     if counts == told.keys():
         uneven = bent
     elif counts:
-        (uneven,) = judged.direct(level, [1.0], _under(counts))
+        (uneven,) = judged.direct(level, [1.0], _under(counts, at))
     words = []
     if counts:
         by = ", ".join(told[name] for name in why if name in counts)
@@ -98,7 +120,7 @@ def unevenness(contact: Contact, position: int) -> dict[str, str]:
     """By bore, where a bent pin presses most at a position, in words; of stacks that are known."""
     found = {}
     for bore, stack in known_stacks(contact):
-        shares = _shares(contact, bore, stack, position)
+        shares = _shares(contact, bore, stack, position, AS_JUDGED)
         if shares is not None:
             name = bore.loads.interface.name
             most, edge = most_pressed(shares)
@@ -106,8 +128,8 @@ def unevenness(contact: Contact, position: int) -> dict[str, str]:
     return found
 
 
-_Why = tuple[tuple[str, str], ...]
-_known: WeakKeyDictionary[Level, WeakKeyDictionary[Judged, dict[_Why, BeyondEven | None]]] = (
+_Asked = tuple[Setting, tuple[tuple[str, str], ...]]
+_known: WeakKeyDictionary[Level, WeakKeyDictionary[Judged, dict[_Asked, BeyondEven | None]]] = (
     WeakKeyDictionary()
 )
 
@@ -123,10 +145,11 @@ def known_stacks(contact: Contact) -> list[tuple[BoreHarmonics, Stack]]:
 
 
 def _shares(
-    contact: Contact, bore: BoreHarmonics, stack: Stack, position: int
+    contact: Contact, bore: BoreHarmonics, stack: Stack, position: int, at: Setting
 ) -> FloatArray | None:
     """The a_k (n,) of the line load in a bore; None where nothing presses there."""
-    forces = contact.cycle.bores[bore.loads.interface.name].forces.sum(axis=0)
+    name = bore.loads.interface.name
+    forces = contact.cycle.bores[name].forces.sum(axis=0)
     if not forces[position] > 0:
         return None
     heaviest = int(first_largest(forces)[0])
@@ -135,47 +158,60 @@ def _shares(
         return None
     tilt = bore.once(
         "tilt", stack, lambda: np.array([BoreAlong(bore).tilt(
-            stack.bar, lugs[own], _waves(contact, bore, heaviest))])
+            stack.bar, lugs[own], _waves(bore, contact.cycle.bores[name], heaviest))])
     )  # fmt: skip
-    return stack.shares(position, float(tilt[0]))
+    clearance = contact.pins.fits[name].clearance(at.bends) / at.factor
+    return replace(stack, clearance=clearance).shares(position, float(tilt[0]))
 
 
-def _waves(contact: Contact, bore: BoreHarmonics, position: int) -> FloatArray:
+def _waves(bore: BoreHarmonics, pressed: BorePressure, position: int) -> FloatArray:
     """Long waves (2 last + 1,), N, of the even pressure in a bore."""
-    pressed = contact.cycle.bores[bore.loads.interface.name]
     return np.asarray(bore.waves(pressed.hats).T @ pressed.forces[:, position])
 
 
-def _under(names: frozenset[str]) -> Under:
+def _under(names: frozenset[str], at: Setting) -> Under:
     """Stress with shares of what uneven pressure in some bores adds."""
 
     def under(
         _loads: PartLoads, level: Level, position: int, numbers: Sequence[float]
     ) -> FloatArray:
         """Stress (n, 6, m) at a position."""
-        even, added = level.history.at(position), _added(level, position, names)
+        even, added = _even(level, position, at), _added(level, position, names, at)
         return np.stack([even + share * added for share in numbers], axis=-1)
 
     return under
 
 
-def _added(level: Level, position: int, names: frozenset[str]) -> FloatArray:
+def _even(level: Level, position: int, at: Setting) -> FloatArray:
+    """Stress (n, 6) under even pressure at a position, MPa."""
+    contact, here = level.contact, np.array([position])
+    assert contact is not None
+    if contact.is_middle(at.share) and at.factor == 1.0:
+        return level.history.at(position)
+    basis = level.history.basis
+    stress = np.asarray(basis @ contact.solutions.state(contact.over(here, at.share, at.factor)))
+    contact.add_short_waves(stress, np.arange(len(basis)), here, at.share, at.factor)
+    return stress[:, :, 0]
+
+
+def _added(level: Level, position: int, names: frozenset[str], at: Setting) -> FloatArray:
     """Stress (n, 6) that uneven pressure in some bores adds at a position, solved once, MPa."""
-    known = level.direct_stresses.setdefault(f"along {sorted(names)}".encode(), {})
+    known = level.direct_stresses.setdefault(f"along {sorted(names)} {at}".encode(), {})
     if position in known:
         return known[position]
     contact = level.contact
     assert contact is not None
     vector = np.zeros(3 * len(level.solutions.mesh.nodes))
     short = np.zeros((len(level.history.nodes), 6))
+    even = contact.over(np.array([position]), at.share, at.factor)
     for bore, stack in known_stacks(contact):
-        shares = _shares(contact, bore, stack, position)
+        shares = _shares(contact, bore, stack, position, at)
         if shares is None or bore.loads.interface.name not in names:
             continue
         along = BoreAlong(bore)
-        pressed = contact.cycle.bores[bore.loads.interface.name]
-        vector += along.vector(_waves(contact, bore, position), shares)
-        pressure = bore.short_waves(pressed.hats, pressed.forces[:, [position]])[:, 0]
+        pressed = even.bores[bore.loads.interface.name]
+        vector += along.vector(_waves(bore, pressed, 0), shares)
+        pressure = bore.short_waves(pressed.hats, pressed.forces)[:, 0]
         short[bore.points] += along.short_wave_stress(pressure, shares)
     moved = level.solutions.solve(vector[:, None])
     known[position] = level.stress_of(moved)[:, :, 0] + short

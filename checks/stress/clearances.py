@@ -101,11 +101,16 @@ def turn_beyond(values: Mapping[float, float]) -> tuple[list[float], float]:
 
 
 def values_at(
-    judged: Judged, level: Level, shares: Iterable[float], loads: PartLoads | None = None
+    judged: Judged,
+    level: Level,
+    shares: Iterable[float],
+    loads: PartLoads | None = None,
+    factor: float = 1.0,
 ) -> dict[float, float]:
     """The quantity, MPa, at shares of the range of clearances, each at its own worst positions.
 
-    loads  of the level, where they are others than those that are judged
+    loads   of the level, where they are others than those that are judged
+    factor  on all loads; values are over it
     """
     contact = level.contact
     assert contact is not None
@@ -115,13 +120,13 @@ def values_at(
     at_bores = isinstance(level, Level)  # other levels have no points at a bore's surface
     found = {}
     for share in shares:
-        if contact.is_middle(share):
+        if contact.is_middle(share) and factor == 1.0:
             found[share] = judged.value(level)
             continue
-        states = contact.solutions.state(contact.over(positions, share))
+        states = contact.solutions.state(contact.over(positions, share, factor))
         stress = np.asarray(basis @ states)
         if at_bores:
-            contact.add_short_waves(stress, points, positions, share)
+            contact.add_short_waves(stress, points, positions, share, factor)
         some = slice(None) if isinstance(judged, StaticPeak) else that_swing(level, points, stress)
         whole = np.eye(len(positions))
         found[share] = judged.anew(level, points[some], stress[some], whole, cycles)

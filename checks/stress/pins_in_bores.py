@@ -56,12 +56,12 @@ class Fit:
         share = MIDDLE if share == SOFT else share
         return self.least + share * (self.largest - self.least)
 
-    def pin(self, share: float) -> FittedPin:
-        """The pin at a share of the range of clearances."""
+    def pin(self, share: float, factor: float = 1.0) -> FittedPin:
+        """The pin at a share of the range, under a factor on the loads as `Contact` has it."""
         elastic, lining = (self.youngs_modulus, self.poisson_ratio), self.lining
         if lining is not None and self.unstated and share == SOFT:
             lining = replace(lining, youngs_modulus=_SOFTEST)
-        return FittedPin(self.clearance(share), *elastic, lining=lining)
+        return FittedPin(self.clearance(share) / factor, *elastic, lining=lining)
 
 
 def fits_of(loaded: LoadedPart) -> dict[str, Fit]:
@@ -147,12 +147,15 @@ class PinnedBores:
         cycle = self.problem(coefficients, MIDDLE).solve()
         return Contact(self, *superposed(self.harmonics, cycle), cycle, coefficients)
 
-    def problem(self, coefficients: FloatArray, share: float, finer: int = 1) -> PartContact:
+    def problem(
+        self, coefficients: FloatArray, share: float, factor: float = 1.0, finer: int = 1
+    ) -> PartContact:
         """The contact at a share of the range of clearances, not solved yet.
 
-        finer  times as many hats of pressure as its arcs ask for
+        factor  on the loads, as `Contact` has it
+        finer   times as many hats of pressure as its arcs ask for
         """
-        pins = {name: fit.pin(share) for name, fit in self.fits.items()}
+        pins = {name: fit.pin(share, factor) for name, fit in self.fits.items()}
         return PartContact(self.harmonics, coefficients, pins, finer)
 
 
@@ -165,7 +168,10 @@ def pinned_bores(solutions: UnitSolutions, fits: Mapping[str, Fit]) -> PinnedBor
 class Contact:
     """Contact in the bores of one mesh: over all positions at the middle of the clearances.
 
-    Other clearances of the range are solved at the positions that are asked for.
+    Other clearances of the range are solved at the positions that are asked for, and so is a factor
+    on all loads. Bodies and gaps are linear but for what touches: with all loads and clearances
+    times a factor pressures and stresses are that factor higher and touch in the same places. So
+    the contact under a factor, over it, is that of the loads as they are on clearances over it.
 
     pins          of the mesh
     solutions     unit loads with the waves of pressure of these bores
@@ -184,11 +190,11 @@ class Contact:
     assumed: FloatArray
 
     @cached_property
-    def _problems(self) -> dict[float, PartContact]:
+    def _problems(self) -> dict[tuple[float, float], PartContact]:
         return {}
 
     @cached_property
-    def _solved(self) -> dict[tuple[float, bytes], ContactCycle]:
+    def _solved(self) -> dict[tuple[float, float, bytes], ContactCycle]:
         return {}
 
     @cached_property
@@ -205,38 +211,46 @@ class Contact:
         """True if a share of the range is the clearance that is solved at all positions."""
         return share == MIDDLE or (self.one_clearance and share != SOFT)
 
-    def over(self, positions: IntArray, share: float) -> ContactCycle:
-        """The contact at some positions (m,) and a share of the range; raises ContactError."""
-        if self.is_middle(share):
+    def over(self, positions: IntArray, share: float, factor: float = 1.0) -> ContactCycle:
+        """The contact at some positions (m,) and a share of the range; raises ContactError.
+
+        Under loads a factor higher, over that factor.
+        """
+        if self.is_middle(share) and factor == 1.0:
             return self.cycle.over(positions)
-        key = share, positions.tobytes()
+        key = share, factor, positions.tobytes()
         if key not in self._solved:
-            if share not in self._problems:
-                self._problems[share] = self.pins.problem(self.assumed, share)
-            self._solved[key] = self._problems[share].solve(positions.tolist())
+            if key[:2] not in self._problems:
+                self._problems[key[:2]] = self.pins.problem(self.assumed, share, factor)
+            self._solved[key] = self._problems[key[:2]].solve(positions.tolist())
         return self._solved[key]
 
     def finer(self, positions: IntArray, times: int) -> ContactCycle:
         """The contact at the middle of the clearances, with more hats; raises ContactError."""
-        key = -float(times), positions.tobytes()
+        key = -float(times), 1.0, positions.tobytes()
         if key not in self._solved:
-            problem = self.pins.problem(self.assumed, MIDDLE, times)
+            problem = self.pins.problem(self.assumed, MIDDLE, finer=times)
             self._solved[key] = problem.solve(positions.tolist())
         return self._solved[key]
 
     def add_short_waves(
-        self, stress: FloatArray, points: IntArray, positions: IntArray, share: float
+        self,
+        stress: FloatArray,
+        points: IntArray,
+        positions: IntArray,
+        share: float,
+        factor: float = 1.0,
     ) -> None:
         """Add to stress (n, 6, m), MPa, what short waves make of it, which no state has.
 
         points     (n,) rising surface points
         positions  (m,)
         """
-        key = share, positions.tobytes()
+        key = share, factor, positions.tobytes()
         if key not in self._short_waves:
             self._short_waves[key] = [
                 bore.harmonics.short_waves(bore.hats, bore.forces)
-                for bore in self.over(positions, share).bores.values()
+                for bore in self.over(positions, share, factor).bores.values()
             ]
         for bore, pressure in zip(self.pins.harmonics, self._short_waves[key], strict=True):
             _, here, there = np.intersect1d(points, bore.points, return_indices=True)
@@ -244,7 +258,7 @@ class Contact:
             stress[here] += own[:, :, None] * pressure[there][:, None, :]
 
     @cached_property
-    def _short_waves(self) -> dict[tuple[float, bytes], list[FloatArray]]:
+    def _short_waves(self) -> dict[tuple[float, float, bytes], list[FloatArray]]:
         return {}
 
     def with_missed(self, points: IntArray) -> tuple[FloatArray, FloatArray]:

@@ -10,8 +10,7 @@
 
     const judged = (check) => { // safety, required, status, and utilisation at the bars' upper end
       const place = check.levers.reduce((at, k) => at * levers[k].texts.length + places[k], 0);
-      const open = (check.shared && levers.some((lever, k) => lever.material && moved(k))) ||
-        (check.load === null && moved(load));
+      const open = check.shared && levers.some((lever, k) => lever.material && moved(k));
       const pressed = check.pins.filter(({ lever }) => moved(lever));
       const row = pressed.length === 1 ? pressed[0].rows[places[pressed[0].lever]] : null;
       const known = open || (pressed.length && !row) ? null : check.safety[place];

@@ -54,10 +54,10 @@ stack = [
 """
 
 
-def rod(folder, at=12.0, bush="", stack=STACK, fits=FITS):
+def rod(folder, at=12.0, bush="", stack=STACK, fits=FITS, overrides=()):
     """The rod of the small machine between the cheeks of a crank; its level on a first mesh."""
     text = PLATE + fits + stack.replace("AT", f"{at:g}").replace("BUSH", bush)
-    design = machine(folder, text)
+    design = machine(folder, text, *overrides)
     design, runs = solved_runs(design, Models(), lambda _: None)
     return LoadedPart.of(design, design.parts["rod"], runs)
 
@@ -101,11 +101,42 @@ def test_a_bent_pin_presses_the_edges_of_an_eye_more_which_the_band_holds(bent):
         assert {"q_1", "q_2"} < {getattr(item, "symbol", "") for item in items}
         assert "bent pins" in told.words
         assert found.above > 0.02 * found.even
-        kept = pins_data(level, {what: bars}).get("pins", {"kinds": {}})["kinds"].values()
-        assert not any("clearances" in one for one in kept)  # no slider knows what bending adds
     said = " ".join(assumed_of(loaded, level))
     assert "the pin bends, which presses up to" in said
     assert "which the band holds as well" in said
+
+
+@pytest.mark.parametrize("bush", ["", ', bush = { length = "8 mm", allowable = "100 MPa" }'])
+def test_what_is_kept_for_other_loads_and_clearances_is_what_a_fresh_solve_finds(tmp_path, bush):
+    """Under a factor on the loads pins press as on clearances over it: value and band to 2 %."""
+    fits = 'fits = { first = "0.01 .. 0.03 mm", second = "0.01 .. 0.03 mm" }\n'
+    stack = STACK.replace('diameter = "12 mm"', 'diameter = "10 mm"') if bush else STACK
+
+    def solved(*overrides):
+        loaded = brittle(rod(tmp_path, 12.0, bush, stack, fits, overrides), "pin")
+        level = first_level(loaded, Models())
+        static = StaticPeak(loaded.loads)
+        bars = bars_of(static, loaded.part, [level, level], 0.2)
+        now = [static.value(level), bars.above, bars.below]
+        return loaded.part, level, static, bars, now
+
+    part, level, what, bars, now = solved()
+    assert bars.along.above > 0.02 * bars.along.even
+    assert (bars.clearances.soft is not None) is bool(bush)
+    kept = pins_data(part, level, {what: bars}, {})["pins"]["kinds"]["static"]
+    assert kept["band"] == [bars.above, bars.below]
+    loads, by_share = (np.array(kept[key]) for key in ("loads", "clearances"))
+    assert_allclose(loads[loads[:, 0] == 1.0][0, 1:], now)
+    linear = loads[loads[:, 0] == 1.0][0, 1]
+    for factor in (0.75, 1.3):
+        fresh = solved(f"load_factor={factor}")[-1]
+        found = [factor * np.interp(factor, *loads[:, [0, k]].T) for k in (1, 2, 3)]
+        assert_allclose(found, fresh, atol=0.02 * fresh[0])
+        assert abs(fresh[0] / (factor * linear) - 1) > 0.01 or bush
+    one = [f'parts.rod.fits.{name}="0.014 mm"' for name in ("first", "second")]
+    fresh = solved(*one)[-1]
+    found = [np.interp(0.2, *by_share[:, [0, k]].T) for k in (1, 2, 3)]
+    assert_allclose(found, fresh, atol=0.02 * fresh[0])
 
 
 def test_models_without_contact_have_what_bent_pins_press_in_their_band_as_well(bent, tmp_path):

@@ -19,7 +19,7 @@ PIXEL = bytes.fromhex(
     "60606000000005000101270b5f0000000049454e44ae426082"
 )
 STILLS = Pictures({name: {"whole": PIXEL, "peak": PIXEL} for name in ("bar_upper", "pin_B")})
-A4 = 702  # px of its width within the margins
+A4, HIGH = 702, 1020  # px of its width and height within the margins
 
 
 def derived():
@@ -209,6 +209,21 @@ def test_paper_has_all_parts_with_the_governing_derivation_and_no_controls(shown
     )
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     assert not page.locator("#why-3 .derivation").evaluate("each => each.open")
+
+
+@pytest.mark.parametrize("name", ["fail", "moving"])
+def test_the_first_sheet_alone_is_a_record(shown, name):
+    """Picture, verdict, date, version, hash, assumptions and lines to sign, to the last one."""
+    page = shown(name, width=A4).page
+    page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    page.emulate_media(media="print")
+    on_it = ["#verdict .badge", ".stands-on", ".record", ".signature"]
+    on_it += [] if name == "fail" else [".stage .live-frame img[src]"]
+    for choice in on_it:
+        place = page.locator(choice).first.bounding_box()
+        assert place["height"] > 0, choice
+        assert place["y"] + place["height"] <= HIGH, choice
+    assert "SHA-256" in page.locator(".record").inner_text()
 
 
 def test_a_part_that_another_tells_as_well_prints_its_checks_alone(shown):

@@ -15,9 +15,10 @@ import ballesta
 from ballesta.design.read import read_design
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
+from checks.ladder.chart_data import _beside
 from checks.result.words import check_titles
 from reports import report_html, write_report
-from reports.what_if import _CLEARANCES, _is_smooth, what_if
+from reports.what_if import _CLEARANCES, what_if
 from tests.small_machine import PLATE, machine
 
 PRESS = Path(__file__).parents[2] / "designs" / "toggle_press.toml"
@@ -249,8 +250,6 @@ def test_the_page_of_the_press_takes_at_most_3_megabytes():
     assert len(report_html(_result_of("toggle_press")).encode()) < 2.9e6
 
 
-def test_what_jumps_between_solved_settings_is_not_followed():
-    smooth = [[0.0, 100.0], [0.5, 104.0], [1.0, 106.0]]
-    assert _is_smooth(smooth)
-    assert not _is_smooth([[0.0, 100.0], [0.5, 106.0], [1.0, 106.0]])
-    assert not _is_smooth([])
+def test_beside_what_jumps_between_solved_settings_more_are_asked_for():
+    assert _beside({0.0: 100.0, 0.5: 104.0, 1.0: 106.0}) == set()
+    assert _beside({0.0: 100.0, 1.0: 106.0, 0.5: 106.0}) == {0.25, 0.75}
