@@ -328,3 +328,12 @@ def plate_pair_section(
         inertia_built_up=2 * (one + height * wall * (apart / 2) ** 2),
         racking_area=6 * one / length**2,
     )
+
+
+def fine_cells(cuts: FloatArray, count: int) -> FloatArray:
+    """Cuts of cells of about 1/count of the whole, none across one of the given cuts."""
+    size = (cuts[-1] - cuts[0]) / count
+    pieces = [
+        np.linspace(a, b, max(1, int(np.ceil((b - a) / size))) + 1)[:-1] for a, b in pairwise(cuts)
+    ]
+    return np.concatenate([*pieces, cuts[-1:]])

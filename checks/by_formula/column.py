@@ -32,6 +32,7 @@ COLUMN = Kind(
 )
 KINDS = (COLUMN,)
 
+_TOLD = 6  # sections in the facts
 _THEORY = "docs/theory/columns.md"
 _EULER = "Euler; Timoshenko and Gere, Theory of Elastic Stability, 2nd ed., 2.1"
 _JOHNSON = "Shigley, 10th ed., section 4-13"
@@ -62,9 +63,10 @@ def not_checked(loaded: LoadedPart) -> Iterator[str]:
 
 
 def facts(loaded: LoadedPart) -> dict[str, float | str]:
-    """All column limits of a part side by side: safeties by section and plane, effective lengths.
+    """Column limits of a part side by side: safeties by section and plane, effective lengths.
 
-    Empty for a part that is never compressed or has no sections.
+    Of many sections those with the least safety. Empty for a part that is never compressed or has
+    no sections.
     """
     part, loads = loaded.part, loaded.loads
     worst = worst_compression(part, loads)
@@ -77,7 +79,8 @@ def facts(loaded: LoadedPart) -> dict[str, float | str]:
         "largest compression at": where,
     }
     for plane in planes_of(loaded.design, part):
-        for case in cases_of(part, plane):
+        least = [case for case, *_ in judged_columns(part, plane, force).found[:_TOLD]]
+        for case in filter(least.__contains__, cases_of(part, plane)):
             safeties = case.safeties(force / case.section.area, part.material.yield_stress)
             name = f"column {plane.name}, {case.section.name}{'' if case.whole else ', by itself'}"
             found[f"{name}: safety"] = ", ".join(f"{k} {v:.3g}" for k, v in safeties.items())

@@ -6,7 +6,6 @@ Fibres are of square tubes and of plates in their walls.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from itertools import pairwise
 from math import pi
 from typing import Self
 
@@ -225,15 +224,6 @@ class BarPart:
             buckles=buckles,
             neglects=neglects,
         )
-
-
-def fine_cells(cuts: FloatArray, count: int) -> FloatArray:
-    """Cuts of cells of about 1/count of the whole, none across one of the given cuts."""
-    size = (cuts[-1] - cuts[0]) / count
-    pieces = [
-        np.linspace(a, b, max(1, int(np.ceil((b - a) / size))) + 1)[:-1] for a, b in pairwise(cuts)
-    ]
-    return np.concatenate([*pieces, cuts[-1:]])
 
 
 def add_rectangle_fibres(

@@ -1,20 +1,22 @@
 """A part as CAD has it: the one solid of a STEP file, loaded at its named holes and journals."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import cos, degrees, hypot, radians
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from geometry.bars import RulingSection
+from geometry.bars import RulingSection, Section, fine_cells
 from geometry.body import Body, Region
+from geometry.cad_body import cad_skin
 from geometry.mesh import FloatArray, Interface, MeshError
 from geometry.parameters import ParameterError, check_above
 from geometry.round_faces import Hole
 from geometry.shape import Shape
+from geometry.slices import Slice, in_stretches, sliced
 from geometry.step_file import StepSolid, file_hash, import_solid
 from geometry.step_survey import surveyed
 
@@ -24,6 +26,13 @@ _FILLET_ELEMENTS = 1.5  # of a fillet or another hole: enough to see there what 
 _FINEST = 6.0  # times smaller than in general at the most, before any error is known
 _MOST_TOLD = 40  # holes in one message
 _STATED = 1e-3  # mm, how exactly points are usually stated
+_FACETS = 32  # of a full turn: a circle's second moment to 1.3 %
+_CELLS = 64  # of the whole part
+_MARKS = 500  # of the holes' distance: edges that are nearer along x are one
+_STRAIGHT = 1e-3  # of the outermost holes' distance: how far holes and centroids may lie beside it
+_STEEP = 0.3  # mm per mm: where centroids climb faster, planes cut the bar askew
+_OF_TWO = 0.3  # of the area at a hole: the smaller side of one lug; forks have four
+_LUG = 0.1  # of a bore: what a pin presses on is as thick, or dishes (docs/theory/buckling.md)
 
 Triple = tuple[float, float, float]
 Pair = tuple[float, float]
@@ -254,6 +263,31 @@ class StepPart(Shape):
         return np.asarray(np.ptp(self.solid.outline @ self.axes.T, axis=0))
 
     @property
+    def sections(self) -> Sequence[Section]:
+        """Sections of a straight bar between two bores, as planes cut it; none of another part."""
+        return self._column[0]
+
+    @cached_property
+    def _column(self) -> tuple[Sequence[Section], str]:
+        """Its sections as a column, or why it is not known as one, in words."""
+        if len(self.holes) != 2:
+            return (), "it has more than two holes"
+        try:
+            cut = bar_slices(self)
+        except MeshError as error:
+            return (), f"its sections could not be cut: {error}"
+        if not cut.straight:
+            return (), "it is no straight bar between its bores, or presses thin lugs"
+        if any(one.weak_area < one.area * (1 - _STRAIGHT) for one in cut.between):
+            return (), "some of its sections are of several bodies"
+        if any(one.weak_area < _OF_TWO * one.area for one in cut.at_holes):
+            return (), "it has forks, or a hole with one thin side"
+        aside = max(float(np.abs(one.centre).max()) for one in cut.between)
+        if aside > _STRAIGHT * self.length:
+            return (), f"its sections lie up to {aside:.2g} mm beside the line of its holes"
+        return in_stretches(cut.between, self.length), ""
+
+    @property
     def stressed_section(self) -> Pair:
         """The stated section, or one made up from the solid, height and thickness in mm.
 
@@ -291,9 +325,9 @@ class StepPart(Shape):
     def told(self) -> tuple[str, ...]:
         """Notes on the reading of the file: sentences for the report."""
         said = [*self.solid.told]
-        said.append(
-            "no column formula is known for a shape from CAD, so yield was not checked by one"
-        )
+        why = self._column[1]
+        if why:
+            said.append(f"no column formula judged it, so yield was not checked by one: {why}")
         if self.section is None:
             height, thickness = self.stressed_section
             said.append(
@@ -390,3 +424,57 @@ def _unit_hint(stated: float, found: float) -> str:
         if abs(apart / factor - 1) < 1e-3:
             return f"; {factor:g} times apart: were {unit} and mm mixed up?"
     return ""
+
+
+@dataclass(frozen=True, eq=False)
+class BarSlices:
+    """Sections of a part along the line of its holes, x.
+
+    cuts      (m + 1,) mm, ends of the cells of the whole part
+    cells     at the middle of each
+    at_holes  at the holes
+    between   between the bores of the outermost holes, wherever an edge of the part ends, too
+    straight  True for a bar whose sections are square to it, without thin lugs
+    """
+
+    cuts: FloatArray
+    cells: Sequence[Slice]
+    at_holes: Sequence[Slice]
+    between: Sequence[Slice]
+    straight: bool
+
+
+@lru_cache(maxsize=16)
+def bar_slices(shape: StepPart) -> BarSlices:
+    """Cut a part along the line of its holes; raises MeshError.
+
+    A batch asks for the same part again and again.
+    """
+    skin = cad_skin(shape, _FACETS)
+    low, high = float(skin.nodes[:, 0].min()), float(skin.nodes[:, 0].max())
+    centres = [shape.centre(name) for name in shape.interfaces]
+    along = np.sort([float(centre[0]) for centre in centres])
+    cuts = fine_cells(np.array([low, *(x for x in along if low < x < high), high]), _CELLS)
+    cells = sliced(skin, (cuts[1:] + cuts[:-1]) / 2)
+    bores = {float(c[0]): shape.bore(n) / 2 for n, c in zip(shape.interfaces, centres, strict=True)}
+    first, last = along[0] + bores[along[0]], along[-1] - bores[along[-1]]
+    step = max(last - first, 0.0) / _MARKS
+    marks = np.unique(np.round(shape.edges[:, 0] / step)) * step if step else cuts[:0]
+    places = np.union1d((marks[1:] + marks[:-1]) / 2, [one.place for one in cells])
+    between = sliced(skin, places[(places > first) & (places < last)])
+    at_holes = sliced(skin, along)
+    aside = max(float(np.abs(centre[1:]).max()) for centre in centres)
+    straight = aside <= _STRAIGHT * float(along[-1] - along[0]) and _is_bar(
+        between, at_holes, 2 * max(bores.values())
+    )
+    return BarSlices(cuts, cells, at_holes, between, straight)
+
+
+def _is_bar(between: Sequence[Slice], at_holes: Sequence[Slice], widest: float) -> bool:
+    """True for sections square to the bar, and lugs that are not thin beside the widest bore."""
+    if len(between) < 2:
+        return False
+    places, centres = np.array([one.place for one in between]), [one.centre for one in between]
+    steep = np.abs(np.gradient(np.array(centres), places, axis=0)).max()
+    lugs = [one.weak_area / one.breadth for one in at_holes]
+    return bool(steep < _STEEP and min(lugs) > _LUG * widest)

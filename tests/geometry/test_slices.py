@@ -8,7 +8,7 @@ from geometry.cad_body import Skin, cad_skin, skin_of
 from geometry.mesh import MeshError
 from geometry.meshing import gmsh_session
 from geometry.parts import PlateLink, PrismaticTube, TubeRod
-from geometry.slices import sliced
+from geometry.slices import in_stretches, sliced
 
 BORE = 12.0
 LINK = PlateLink(length=100.0, width=30.0, thickness=8.0, hole=BORE)
@@ -123,3 +123,13 @@ def test_a_fin_is_told_from_a_wall_between_two_cavities():
 def test_a_surface_turned_inside_out_is_refused(link):
     with pytest.raises(MeshError, match="not closed at x = 50 mm"):
         section(Skin(link.nodes, link.triangles[:, ::-1]), 50.0)
+
+
+def test_a_skew_section_bends_in_a_plane_as_if_nothing_held_it_sideways(link):
+    """By hand: I_1 I_2 over the second moment about the axis at right angles."""
+    angle = 0.5
+    (found,) = in_stretches(sliced(turned(link, angle), np.linspace(40.0, 60.0, 5)), 100.0)
+    one, two, c, s = 8 * 30**3 / 12, 30 * 8**3 / 12, np.cos(angle) ** 2, np.sin(angle) ** 2
+    assert_allclose(found.inertia_in_plane, one * two / (one * s + two * c), rtol=1e-9)
+    assert_allclose(found.inertia_out_of_plane, one * two / (one * c + two * s), rtol=1e-9)
+    assert found.stretch == (0.0, 100.0)

@@ -2,6 +2,7 @@
 
 import re
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from geometry.meshing import gmsh_session, mesh_shape
 from geometry.parameters import ParameterError
 from geometry.parts.step_part import NamedHole, StepPart
 
+from ..fem.blocks import BAR
 from .step_files import HOLES, LINK, hole, link_file, link_part, moved, plate_with, write_step
 
 STEEL = Elastic(210_000.0, 0.3, 7.85e-9)
@@ -198,6 +200,66 @@ def test_elements_are_small_at_named_holes_and_in_hollow_fillets(folder):
     near = np.hypot(middles[:, 0] - 28, middles[:, 2] - 7) < 3
     assert lengths[near].mean() < 3
     assert lengths[middles[:, 2] > 20].mean() > 8
+
+
+def test_a_straight_bar_has_the_sections_of_its_parametric_twin_as_a_column(link, turned):
+    (own,) = LINK.sections
+    for part, within in ((link, 1e-6), (turned, 1e-3)):
+        (found,) = part.sections
+        names = ("area", "inertia_in_plane", "inertia_out_of_plane", "depth_in_plane",
+                 "depth_out_of_plane")  # fmt: skip
+        assert_allclose([getattr(found, name) for name in names],
+                        [getattr(own, name) for name in names], rtol=within)  # fmt: skip
+        assert found.stretch == pytest.approx((0.0, 60.0))
+
+
+def test_a_stepped_bar_has_a_stretch_for_each_section(folder):
+    """8 mm high from x = 20 to 40 mm, 40 mm elsewhere; 8 mm thick; pins at 0 and 60 mm."""
+
+    def build(gmsh):
+        plate_with(hole(0, 0, 10), hole(60, 0, 10))(gmsh)
+        occ, bars = gmsh.model.occ, gmsh.model.occ.getEntities(3)
+        occ.cut(bars, [(3, occ.addBox(20, y, -1, 20, 26, 10)) for y in (4, -30)])
+
+    holes = (NamedHole("a", 10, (0, 0, 4)), NamedHole("b", 10, (60, 0, 4)))
+    part = StepPart(write_step(folder / "stepped.step", build), holes)
+    found = part.sections
+    assert_allclose([one.stretch for one in found], [(0, 20), (20, 40), (40, 60)], atol=0.5)
+    assert_allclose([one.area for one in found], [320, 64, 320], rtol=1e-6)
+    assert_allclose([one.inertia_in_plane for one in found],
+                    [8 * 40**3 / 12, 8 * 8**3 / 12, 8 * 40**3 / 12], rtol=1e-6)  # fmt: skip
+
+
+def _box(*corner_and_size):
+    def build(gmsh):
+        occ, parts = gmsh.model.occ, gmsh.model.occ.getEntities(3)
+        occ.cut(parts, [(3, occ.addBox(*corner_and_size))])
+
+    return build
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        (_box(-30, 16, -1, 120, 20, 10), "2 mm beside the line of its holes"),
+        (_box(-30, 8, -1, 120, 20, 10), "a hole with one thin side"),
+        (_box(20, -5, -1, 20, 10, 10), "of several bodies"),
+    ],
+)
+def test_a_part_that_is_no_straight_bar_says_why_it_is_no_column(folder, change, why):
+    holes = (NamedHole("a", 10, (0, 0, 4)), NamedHole("b", 10, (60, 0, 4)))
+    bar = plate_with(hole(0, 0, 10), hole(60, 0, 10), size=(100, 40, 8))
+    part = StepPart(write_step(folder / f"{why.split()[-1]}.step", bar, change), holes)
+    assert not part.sections
+    assert any("yield was not checked" in said and why in said for said in part.told)
+
+
+def test_a_bar_with_cheeks_is_no_column_of_its_tube_alone(folder):
+    holes = [NamedHole(name, BAR.hole) for name in BAR.interfaces]
+    holes = [replace(one, at=(x, 0, 0)) for one, x in zip(holes, (0, BAR.length), strict=True)]
+    part = StepPart(write_step(folder / "bar.step", BAR.build), tuple(holes))
+    assert not part.sections
+    assert any("forks" in said for said in part.told)
 
 
 def test_equal_files_are_the_same_part_wherever_they_lie(folder, link):

@@ -4,11 +4,12 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.bar_forces import BarLoads, balanced_bar, deflection
-from checks.models.formula_bars import fine_cells, left_over
+from checks.models.formula_bars import left_over
 from checks.models.formula_points import Points, along_x, in_section, sheared
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
+from geometry.bars import fine_cells
 from geometry.mesh import FloatArray
 from geometry.parts import LeafPack
 

@@ -10,12 +10,11 @@ from checks.models.formula_bars import (
     SectionForces,
     Stretches,
     add_tube_fibres,
-    fine_cells,
 )
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
-from geometry.bars import square_tube
+from geometry.bars import fine_cells, square_tube
 from geometry.parts import PrismaticTube
 
 _STATIONS = 19

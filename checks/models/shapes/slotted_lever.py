@@ -27,14 +27,13 @@ from checks.models.formula_bars import (
     BarPart,
     Stretches,
     add_rectangle_fibres,
-    fine_cells,
 )
 from checks.models.formula_lugs import add_bore, strip_edges
 from checks.models.formula_points import Points, along_x, in_section
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads, first_largest
 from checks.stress.stress_result import RungModel
-from geometry.bars import BESIDE, rectangle_torsion
+from geometry.bars import BESIDE, fine_cells, rectangle_torsion
 from geometry.mesh import FloatArray
 from geometry.parts import SlottedLever
 

@@ -13,7 +13,6 @@ weakest section all along between the bores, and by its thinnest wall as a long 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -23,7 +22,6 @@ from checks.models.formula_bars import (
     Stretches,
     bar_loads,
     elastic_load,
-    fine_cells,
     left_over,
     most_deflected,
 )
@@ -31,20 +29,14 @@ from checks.models.formula_points import XX, Points
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import ElasticLoad, RungModel, no_answer
-from geometry.cad_body import cad_skin
 from geometry.mesh import FloatArray
-from geometry.parts.step_part import StepPart
-from geometry.slices import Slice, sliced
+from geometry.parts.step_part import StepPart, bar_slices
+from geometry.slices import Slice
 
 _STRAIGHT = 1e-3  # of the outermost holes' distance: how far a hole may stand beside the line
 _BESIDE = 1e-9  # of it: how far a section just beside a hole is from the hole's axis
-_CELLS = 64  # of the whole part
-_FACETS = 32  # of a full turn: a circle's second moment to 1.3 %
-_MARKS = 500  # of the holes' distance: edges that are nearer along x are one
 _SHEARED = 0.4  # of the area: shear coefficients are 0.83 of a rectangle, 0.42 of a thin square box
 _TWISTED = 0.12  # Saint-Venant's constant over A t^2, t the thinnest wall: a square has 0.14
-_STEEP = 0.3  # mm per mm: where centroids climb faster, planes cut the bar askew
-_LUG = 0.1  # of a bore: what a pin presses on is as thick, or dishes (docs/theory/buckling.md)
 _BESIDE_BORES = 4.0  # times the nominal stress of the sections
 _HELD, _FREE = 0.28, 2.6  # E (t/b)^2 over a long plate's critical stress, by its second edge
 _STOUT = 12.0  # the same of what is no plate
@@ -64,25 +56,26 @@ def stress(part: Part, shape: StepPart, loads: PartLoads) -> RungModel | None:
     if loads.reaches or aside > _STRAIGHT * span:
         return None
     start = float(along[0])
-    cuts, cells, at_holes, between = _slices(shape, tuple(along))
-    bar_of = _stretches(cuts - start, cells, shape.solid.volume)
+    cut = bar_slices(shape)
+    bar_of = _stretches(cut.cuts - start, cut.cells, shape.solid.volume)
     own = _on_line(loads, centres)
     places = {name: float(centre[0]) - start for name, centre in centres.items()}
     forces = bar_loads(part, own, places, bar_of)
     points = Points(len(loads.accelerations))
     sections = SectionForces(points, forces)
     for side in (-_BESIDE, _BESIDE):
-        _add_fibres(points, sections, at_holes, start, side * span)
-    _add_fibres(points, sections, [c for c in cells if along[0] < c.place < along[-1]], start)
+        _add_fibres(points, sections, cut.at_holes, start, side * span)
+    inside = [one for one in cut.cells if along[0] < one.place < along[-1]]
+    _add_fibres(points, sections, inside, start)
 
     def buckles() -> ElasticLoad | None:
         names = sorted(places, key=lambda name: places[name])
         first, last = (shape.bore(name) / 2 for name in names)
         load = elastic_load(part, own, forces, bar_of, span, (first, last))
-        if not _is_bar(shape, at_holes, between):
+        if not cut.straight:
             return load
-        weak = elastic_load(part, own, forces, _weakest(bar_of, between), span)
-        worst = max(map(_as_plate, between))
+        weak = elastic_load(part, own, forces, _weakest(bar_of, cut.between), span)
+        worst = max(map(_as_plate, cut.between))
         local = _BESIDE_BORES * max(1.0, worst / _STOUT)
         return replace(load, weakest=max(load.share, weak.share), local=local)
 
@@ -100,29 +93,6 @@ def family(_part: Part, _shape: StepPart, _loads: PartLoads, _kind: str) -> str:
     return "CAD part"
 
 
-@lru_cache(maxsize=16)
-def _slices(
-    shape: StepPart, along: tuple[float, ...]
-) -> tuple[FloatArray, Sequence[Slice], Sequence[Slice], Sequence[Slice]]:
-    """Cells of the whole part (m + 1,) mm and their sections, those at the holes, those between.
-
-    Those between the bores of the outermost holes stand wherever an edge of the part ends, too.
-    A batch asks for the same part again and again.
-    """
-    skin = cad_skin(shape, _FACETS)
-    low, high = float(skin.nodes[:, 0].min()), float(skin.nodes[:, 0].max())
-    ends = np.array([low, *(x for x in along if low < x < high), high])
-    cuts = fine_cells(ends, _CELLS)
-    cells = sliced(skin, (cuts[1:] + cuts[:-1]) / 2)
-    bores = {float(shape.centre(name)[0]): shape.bore(name) / 2 for name in shape.interfaces}
-    first, last = along[0] + bores[along[0]], along[-1] - bores[along[-1]]
-    step = max(last - first, 0.0) / _MARKS
-    marks = np.unique(np.round(shape.edges[:, 0] / step)) * step if step else cuts[:0]
-    places = np.union1d((marks[1:] + marks[:-1]) / 2, [one.place for one in cells])
-    between = sliced(skin, places[(places > first) & (places < last)])
-    return cuts, cells, sliced(skin, np.array(along)), between
-
-
 def _stretches(cuts: FloatArray, cells: Sequence[Slice], volume: float) -> Stretches:
     """The bar by its sections, as heavy as the solid; x from the first hole."""
     area = np.array([one.area for one in cells])
@@ -132,17 +102,6 @@ def _stretches(cuts: FloatArray, cells: Sequence[Slice], volume: float) -> Stret
     )  # of an ellipse: pi a^3 b^3/(a^2 + b^2)
     heavy = area * volume / float(area @ np.diff(cuts))
     return Stretches(cuts, heavy, in_plane, across, torsion)
-
-
-def _is_bar(shape: StepPart, at_holes: Sequence[Slice], between: Sequence[Slice]) -> bool:
-    """True if a bound on its buckling is known: sections square to it, and no thin lug."""
-    if len(between) < 2:
-        return False
-    places, centres = np.array([one.place for one in between]), [one.centre for one in between]
-    steep = np.abs(np.gradient(np.array(centres), places, axis=0)).max()
-    lugs = [one.weak_area / one.breadth for one in at_holes]
-    widest = max(shape.bore(name) for name in shape.interfaces)
-    return bool(steep < _STEEP and min(lugs) > _LUG * widest)
 
 
 def _weakest(bar: Stretches, between: Sequence[Slice]) -> Stretches:

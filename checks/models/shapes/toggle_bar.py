@@ -15,14 +15,13 @@ from checks.models.formula_bars import (
     add_fibres,
     add_tube_fibres,
     fibre_stress,
-    fine_cells,
 )
 from checks.models.formula_lugs import add_bore, strip_edges
 from checks.models.formula_points import Points
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
-from geometry.bars import Section, plate_section, square_tube_section
+from geometry.bars import Section, fine_cells, plate_section, square_tube_section
 from geometry.mesh import FloatArray
 from geometry.parts import ToggleBar
 

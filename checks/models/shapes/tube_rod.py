@@ -6,12 +6,13 @@ from checks.design.data import Part
 from checks.handbook.bar_forces import BarLoads
 from checks.handbook.lug_stress import Lug, mirrored, round_outline, stepped_shaft
 from checks.handbook.pin_loaded_hole import ComplexArray, pin_loaded_hole
-from checks.models.formula_bars import BarPart, Stretches, fine_cells
+from checks.models.formula_bars import BarPart, Stretches
 from checks.models.formula_lugs import add_bore
 from checks.models.formula_points import Points, along_x, in_section, sheared
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
+from geometry.bars import fine_cells
 from geometry.mesh import FloatArray
 from geometry.parts import TubeRod
 
