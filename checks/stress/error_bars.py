@@ -146,7 +146,7 @@ def bars_of(
             in_bores = max(judged.direct(finest, arcs, RaisedInBores(more, counts)))
             notes.append(f"model band: {raised_words(part, counts)}")
         if len(counts) < len(every):
-            evened = max(judged.direct(finest, arcs, RaisedInBores(more, every)))
+            evened = max(value, *judged.direct(finest, arcs, RaisedInBores(more, every)))
             notes.append(uncounted_words(part, every, evened, static=static))
     reached = [*by_arc.values(), in_bores]
     above = max(reached) - by_arc[pi] if by_arc else 0.0

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from ballesta.machine.runs import solved_runs
 from checks.by_formula import pin_bending
-from checks.derivations.bars import solid_bars
+from checks.derivations.bars import rung_bars, solid_bars
 from checks.design.errors import DesignError
 from checks.ladder.chart_data import pins_data
 from checks.ladder.climb import start_climb
@@ -16,7 +16,7 @@ from checks.ladder.levels import first_level
 from checks.ladder.part_facts import assumed_of, edges_words
 from checks.ladder.result import cheap_result
 from checks.models import shapes
-from checks.models.checked import raised_in_bores, rung_estimates, rung_level
+from checks.models.checked import evened_in, raised_in_bores, rung_estimates, rung_level
 from checks.part import pressed_along
 from checks.part.loaded_part import LoadedPart
 from checks.part.pressed_along import that_count
@@ -187,7 +187,7 @@ def test_no_static_band_has_what_yields_at_edges_of_ductile_parts(bent, tmp_path
     assert f"{found.bent:.4g} MPa" in bars.note
     told, items = solid_bars(bars, "v")
     assert "q_2" not in {getattr(item, "symbol", "") for item in items}
-    assert "bent pins that are in no band" in told.words
+    assert f"in no band: bent pins, with which it is up to {found.bent:.4g} MPa" in told.words
     assert "of static not: edges yield, no more" in " ".join(assumed_of(loaded, level))
     loaded = rod(tmp_path, fits="")
     level, kept_in = first_level(loaded, Models()), brittle(loaded, "pin")
@@ -204,6 +204,11 @@ def test_no_static_band_has_what_yields_at_edges_of_ductile_parts(bent, tmp_path
     assert checks[0].model == checks[1].model < checks[2].model
     elastic = raised_in_bores(kept_in, by_formula, None)
     assert f"elastic, with it, up to {elastic:.4g} MPa" in checks[0].note
+    told, _ = rung_bars(
+        loaded.part, loaded.loads, by_formula.model, checks[0], "v",
+        evened=evened_in(loaded, by_formula, None),
+    )  # fmt: skip
+    assert f"in no band: bent pins, with which it is up to {elastic:.4g} MPa" in told.words
     use = fatigue_use(loaded)  # not covered by the theorem
     assert raised_in_bores(loaded, by_formula, use) > raised_in_bores(straight, by_formula, use)
 
