@@ -12,9 +12,10 @@ from checks.derivations.bars import rung_bars, solid_bars
 from checks.design.errors import DesignError
 from checks.ladder.chart_data import pins_data
 from checks.ladder.climb import start_climb
-from checks.ladder.levels import first_level
+from checks.ladder.levels import Asked, first_level
 from checks.ladder.part_facts import assumed_of, edges_words
 from checks.ladder.result import cheap_result
+from checks.ladder.solid import check_solid
 from checks.models import shapes
 from checks.models.checked import evened_in, raised_in_bores, rung_estimates, rung_level
 from checks.part import pressed_along
@@ -24,7 +25,7 @@ from checks.result.verdict import Status
 from checks.result.ways import edges_fact
 from checks.strength.part_strength import fatigue_use
 from checks.stress.beyond_even import beyond_even
-from checks.stress.error_bars import bars_of
+from checks.stress.error_bars import banded, bars_of
 from checks.stress.judged import StaticPeak
 from checks.stress.kept_models import Models
 from checks.stress.pins_in_bores import fits_of
@@ -266,6 +267,8 @@ def test_edges_that_are_stated_to_have_run_in_take_the_bent_pin_out_of_both_band
         assert_allclose(now.above, now.clearances.above, rtol=1e-12)
         assert was.above > now.above
         assert now.evened == was.along.uneven > what.value(level)
+        again = banded(was, what, even.part, level, even.uneven)
+        assert (again.above, again.below, again.above_steel) == (now.above, now.below, now.above)
         assert "its edges are stated as crowned" in now.note
         told[kind] = now.evened
     (said,) = edges_words(even, told)
@@ -308,6 +311,27 @@ def test_a_check_that_bent_pins_leave_open_names_the_edges_that_settle_it(tmp_pa
         assert (fact in facts) is named
         if named:
             assert_allclose(facts[fact], even.limit / even.upper, rtol=1e-9)
+
+
+def test_a_solid_names_the_edges_with_which_it_passes_and_then_does(bent):
+    """Fatigue by contact, asked for what the band of even pressure just holds."""
+    loaded, _ = bent
+    models, asked = Models(), Asked(frozenset({"fatigue"}), modes=False)
+
+    def checked(need, **edges):
+        require = loaded.design.require.model_copy(update={"fatigue": need})
+        one = replace(loaded, design=replace(loaded.design, require=require))
+        result = check_solid(run_in(one, **edges), models, asked=asked)
+        return result, next(check for check in result.checks if check.kind == "fatigue")
+
+    _, even = checked(1.0, first="run_in")
+    need = even.limit / even.upper * (1 - 1e-9)
+    result, check = checked(need)
+    assert check.status is Status.UNDECIDED
+    assert_allclose(result.facts[edges_fact("fatigue", ["first"])], need, rtol=1e-6)
+    assert checked(need, first="run_in")[1].status is Status.PASS
+    result, _ = checked(1.001 * need)
+    assert edges_fact("fatigue", ["first"]) not in result.facts
 
 
 def test_a_pin_that_is_no_part_claims_no_theorem(tmp_path):
