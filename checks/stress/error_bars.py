@@ -152,12 +152,8 @@ def banded(
 
     level  the last one; uneven: as for `bars_of`
     """
-    value, by_arc, clearances, every = (
-        judged.value(level),
-        bars.by_arc,
-        bars.clearances,
-        uneven or {},
-    )
+    value, every = judged.value(level), uneven or {}
+    by_arc, clearances = bars.by_arc, bars.clearances
     notes, arcs, in_bores, evened = [bars.note], list(by_arc), 0.0, 0.0
     if by_arc and len(level.in_bores) and (every or not part.arc_stated):
         static = isinstance(judged, StaticPeak)
