@@ -14,6 +14,7 @@ from checks.ladder.chart_data import pins_data
 from checks.ladder.climb import start_climb
 from checks.ladder.levels import Asked, first_level
 from checks.ladder.part_facts import assumed_of, edges_words
+from checks.ladder.passing_fits import edges_that_pass
 from checks.ladder.result import cheap_result
 from checks.ladder.solid import check_solid
 from checks.models import shapes
@@ -534,3 +535,31 @@ def test_thin_cheeks_tilt_as_plates_bend():
     square where they hold less: 10 to 12.
     """
     assert 9.0 < tilt_of_cheeks(4.0) / tilt_of_cheeks(8.0) < 13.0
+
+
+def test_the_fewest_edges_come_first_and_bushes_last(tmp_path):
+    """Two bores bend: both together pass, one alone only with bushes of steel as well."""
+    loaded = rod(tmp_path, fits="")
+    one = loaded.uneven["first"]
+    loaded.__dict__["uneven"] = {"first": one, "second": one}  # as two pins had it
+    level = rung_level(loaded, shapes.model_of(loaded.part, loaded.loads))
+    use = fatigue_use(loaded)
+    check = rung_estimates(loaded, level, use, lambda _: None, ["fatigue"])["fatigue"].check
+    fails, half, holds = (
+        replace(check, limit=check.required * check.upper * share, numerical=0.0, model=0.0)
+        for share in (0.1, 2.0, 4.0)
+    )
+    half_open = replace(half, model=10 * half.value)
+    asked = []
+
+    def again(other, kind):
+        edges = other.part.bore_edges
+        asked.append(sorted(edges))
+        return (holds if len(edges) == 2 else half_open), half
+
+    found = edges_that_pass(loaded, [half_open, fails], again)
+    assert asked == [["first"], ["second"], ["first", "second"]]
+    assert found == {edges_fact("fatigue", ("first", "second")): holds.limit / holds.upper}
+    found = edges_that_pass(loaded, [half_open], lambda other, kind: (half_open, half))
+    assert list(found) == [edges_fact("fatigue", ("first",), steel=True)]
+    assert edges_that_pass(loaded, [half_open], lambda *_: (half_open, half_open)) == {}
