@@ -23,18 +23,25 @@ _PATTERNS = "what patterns, nodes and short waves miss of solved contact, and se
 _OF_ARCS = "model: arcs on which pins may press"
 _OF_FITS = "model: the range of the pins' clearances"
 _OF_BENDING = "model: bent pins, which press unevenly"
-_EVENED = "bent pins that are in no band: see the note of the check"
+_EVENED = "in no band: bent pins, with which it is up to {:.4g} MPa, elastic"
 _OF_BUSHES = "model: bushes, whose material is not stated"
 _CALIBRATED = "docs/theory/error_bars.md"
 
 
 def rung_bars(
-    part: Part, loads: PartLoads, model: RungModel, check: Check, value: str, in_bores: float = 0.0
+    part: Part,
+    loads: PartLoads,
+    model: RungModel,
+    check: Check,
+    value: str,
+    in_bores: float = 0.0,
+    evened: float = 0.0,
 ) -> Told:
     """Of a formula: where solids lie around it.
 
     value     symbol of the check's value
     in_bores  MPa, the largest in bores whose arc is not stated, raised; 0 without such
+    evened    MPa, the same with bent pins that are in no band; 0 without such
     """
     band = band_around(part, loads, model, check)
     raised = in_bores if in_bores > check.value else 0.0
@@ -43,6 +50,8 @@ def rung_bars(
         words = f"no model band: {band.why}"
     else:
         words = f"the model band is where 95 % of {band.count} solids lie around such a value"
+    if evened:
+        words = f"{words}; {_EVENED.format(max(evened, check.value))}"
     up, low = (side[-1].symbol if side else "" for side in (above, below))
     return BarSymbols("", up, low, words), [*above, *below]
 
@@ -107,7 +116,7 @@ def solid_bars(bars: Bars, value: str, more: float = 0.0) -> Told:
         _OF_ARCS if bars.by_arc or more else "",
         _OF_FITS if bars.clearances else "",
         _OF_BENDING if bends else "",
-        _EVENED if bars.evened else "",
+        _EVENED.format(bars.evened) if bars.evened else "",
         _OF_BUSHES if bars.clearances and bars.clearances.soft is not None else "",
     )
     words = "; ".join(text for text in (told.words, *of) if text)

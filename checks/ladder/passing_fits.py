@@ -5,6 +5,7 @@ And edges of bores that would pass, had they run in.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from itertools import islice
 from math import isfinite
 
 from checks.handbook.fits import DEFAULT, clearances_of
@@ -156,14 +157,19 @@ def edges_that_pass(
             continue
         bent = sorted(that_count(part, loaded.uneven, static=check.kind == "static"))
         sets = [*((name,) for name in bent), *([tuple(bent)] if len(bent) > 1 else [])]
+        tried = []
         for names in sets:
             edges = {**part.bore_edges, **dict.fromkeys(names, "run_in")}
-            tried = again(replace(loaded, part=replace(part, bore_edges=edges)), check.kind)
-            steel = tried[0].status is not Status.PASS
-            if tried[steel].status is Status.PASS:
-                least = tried[steel].limit / tried[steel].upper
-                found[edges_fact(check.kind, names, steel=steel)] = least
-                break
+            other = replace(loaded, part=replace(part, bore_edges=edges))
+            tried.append((names, again(other, check.kind)))
+        passing = (
+            (names, steel, checks_of[steel])
+            for steel in (False, True)
+            for names, checks_of in tried
+            if checks_of[steel].status is Status.PASS
+        )
+        for names, steel, one in islice(passing, 1):
+            found[edges_fact(check.kind, names, steel=steel)] = one.limit / one.upper
     return found
 
 

@@ -18,7 +18,7 @@ from checks.ladder.part_fields import FREE_SIZE, moved_with
 from checks.ladder.passing_fits import edges_that_pass
 from checks.ladder.section_fields import section_fields
 from checks.ladder.solid import RESCALED, check_solid
-from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC, Estimate, raised_in_bores
+from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC, Estimate, evened_in
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import (
     NOT_MESHED,
@@ -63,11 +63,7 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
         gates.append(Gate(f"{part.name}: fatigue safety", missed, *RESCALED))
     facts |= edges_that_pass(loaded, answered(climb), climb.with_edges)
     uses = {STATIC: None, FATIGUE: climb.use}
-    bent = {
-        kind: raised_in_bores(loaded, level, uses[kind], every=True)
-        for kind in (STATIC, FATIGUE)
-        if part.bore_edges and kind in climb.best
-    }
+    bent = {kind: evened_in(loaded, level, uses[kind]) for kind in climb.best if kind in uses}
     assumed = [f"{FORMULA}: {level.model.neglects}", *edges_words(loaded, bent)]
     skin = models.skin(part.geometry)
     return PartResult(

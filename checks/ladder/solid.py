@@ -47,7 +47,7 @@ from checks.strength.fatigue_facts import fatigue_facts
 from checks.strength.load_doubts import LoadBars, load_bars
 from checks.strength.part_strength import elastic_of, endurance_of, fatigue_use, life_task
 from checks.strength.sampling import fatigue_rise, static_rise, with_sampling
-from checks.stress.error_bars import Bars, bars_of, mesh_bar
+from checks.stress.error_bars import Bars, banded, bars_of, mesh_bar
 from checks.stress.judged import Judged, StaticPeak
 from checks.stress.kept_models import judging_seconds
 from checks.stress.solid_mesh_level import Level, Models, solve_level
@@ -118,7 +118,7 @@ def check_solid(
     stressed, by_hand = list(solved.checks), list(solved.by_hand)
     arcs = _arcs_that_pass(loaded, levels, both, stressed, solved.doubts)
     arcs |= clearances_that_pass(by_arcs.loaded, by_arcs.finest, both, stressed, solved.bars)
-    arcs |= _edges_that_pass(loaded, levels, both, stressed, solved.doubts)
+    arcs |= _edges_that_pass(loaded, finest, stressed, solved.bars)
     buckled = Buckled()
     if "buckling" in asked.kinds:
         buckled = judge_buckling(by_arcs.loaded, models, levels, solved.sizes)
@@ -346,22 +346,23 @@ def _arcs_that_pass(
 
 
 def _edges_that_pass(
-    loaded: LoadedPart,
-    levels: Sequence[Level],
-    judged: Sequence[Judged],
-    checks: Sequence[Check],
-    doubts: LoadBars,
+    loaded: LoadedPart, level: Level, checks: Sequence[Check], bars: Mapping[Judged, Bars]
 ) -> dict[str, float]:
-    """As `edges_that_pass`, on the last meshes; checks whose place is singular are left out."""
-    by_kind = {_kind(what): what for what in judged}
+    """As `edges_that_pass`, on the last mesh; singular checks and those at edges are left out."""
+    by_kind = {_kind(what): what for what in bars}
+    open_ones = {
+        check.kind: check for check in checks if isfinite(check.numerical) and check.kind in by_kind
+    }
 
     def again(other: LoadedPart, kind: str) -> tuple[Check, Check]:
-        found = _judgement(other, levels, by_kind[kind], doubts)
-        check, bars = found.check, found.bars
-        return check, replace(check, model=check.model - bars.above + bars.above_steel)
+        check, what = open_ones[kind], by_kind[kind]
+        now = bars[what]
+        tried = banded(now, what, other.part, level, other.uneven)
+        others = max(0.0, check.model - now.above)  # the loads' bars, another criterion's
+        steel = replace(check, model=others + tried.above_steel)
+        return replace(check, model=others + tried.above), steel
 
-    known = [check for check in checks if isfinite(check.numerical) and check.kind in by_kind]
-    return edges_that_pass(loaded, known, again)
+    return edges_that_pass(loaded, list(open_ones.values()), again)
 
 
 def _kind(what: Judged) -> str:

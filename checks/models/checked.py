@@ -212,7 +212,7 @@ def rung_estimates(
             level.peak.point,
             static_rise(level, loads),
             raised_in_bores(loaded, level, None),
-            evened_note(loaded, level, None),
+            evened_in(loaded, level, None),
         )
     if FATIGUE in kinds and use is not None:
         words = fatigue_words(loaded, level, use)
@@ -224,7 +224,7 @@ def rung_estimates(
             use.point(level),
             fatigue_rise(level, loads, use),
             raised_in_bores(loaded, level, use),
-            evened_note(loaded, level, use),
+            evened_in(loaded, level, use),
         )
     load = level.model.buckling if BUCKLING in kinds else None
     if load is not None and load.share > 0.0:
@@ -240,10 +240,13 @@ def _stress_estimate(
     point: int,
     rise: float,
     in_bores: float,
-    evened: str,
+    evened: float,
 ) -> Estimate:
+    part, static, even = loaded.part, words.kind == STATIC, ""
+    if evened:
+        even = uncounted_words(part, loaded.uneven, max(evened, value), static=static)
     check = Check(
-        part=loaded.part.name,
+        part=part.name,
         kind=words.kind,
         quantity=words.quantity,
         value=value,
@@ -254,10 +257,10 @@ def _stress_estimate(
         required=words.required,
         cycle=words.cycle,
         position=words.position,
-        place=level.place_in_words(point, loaded.part.geometry.placed_interfaces),
+        place=level.place_in_words(point, part.geometry.placed_interfaces),
         method=FORMULA,
         basis=words.basis,
-        note="; ".join(text for text in (words.note, evened) if text),
+        note="; ".join(text for text in (words.note, even) if text),
     )
     if loaded.loads.is_nothing:
         return Estimate(_told(check, 0.0, 0.0, NOTHING))
@@ -466,16 +469,15 @@ def raised_in_bores(
     return max(found)
 
 
-def evened_note(loaded: LoadedPart, level: RungLevel, use: FatigueUse | None) -> str:
-    """Bent pins that count in no band, why, and the stress with them; "" without such.
+def evened_in(loaded: LoadedPart, level: RungLevel, use: FatigueUse | None) -> float:
+    """The largest stress in bores with all bent pins, MPa; 0 where every one is in the band.
 
     use  how fatigue is judged; None for von Mises stress
     """
-    part, uneven, static = loaded.part, loaded.uneven, use is None
-    if len(that_count(part, uneven, static=static)) == len(uneven):
-        return ""
-    bent = raised_in_bores(loaded, level, use, every=True)
-    return uncounted_words(part, uneven, bent, static=static)
+    counts = that_count(loaded.part, loaded.uneven, static=use is None)
+    if len(counts) == len(loaded.uneven):
+        return 0.0
+    return raised_in_bores(loaded, level, use, every=True)
 
 
 def with_peaks(model: RungModel, judged: Values) -> RungModel:

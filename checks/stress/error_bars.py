@@ -8,7 +8,7 @@ the elements: it goes straight from node to node, and pressure is added where it
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import degrees, pi
 from weakref import WeakKeyDictionary
 
@@ -137,16 +137,33 @@ def bars_of(
     if by_arc:
         by = ", ".join(f"{degrees(a):.0f} deg {v:.4g}" for a, v in by_arc.items())
         notes.append(f"by arc of contact, MPa: {by}")
-    in_bores, evened, every = 0.0, 0.0, uneven or {}
-    if by_arc and len(finest.in_bores) and (every or not part.arc_stated):
+    bars = Bars(bar, 0.0, 0.0, "; ".join(notes), values, sizes, by_arc, clearances=clearances)
+    return banded(bars, judged, part, finest, uneven)
+
+
+def banded(
+    bars: Bars,
+    judged: Judged,
+    part: Part,
+    level: Level,
+    uneven: Mapping[str, Uneven] | None = None,
+) -> Bars:
+    """Return the bars with the model band of a part whose bores have edges as it states them.
+
+    level  the last one; uneven: as for `bars_of`
+    """
+    value, every = judged.value(level), uneven or {}
+    by_arc, clearances = bars.by_arc, bars.clearances
+    notes, arcs, in_bores, evened = [bars.note], list(by_arc), 0.0, 0.0
+    if by_arc and len(level.in_bores) and (every or not part.arc_stated):
         static = isinstance(judged, StaticPeak)
         counts = that_count(part, every, static=static)
         more = 0.0 if part.arc_stated else BEYOND_ARCS
         if counts or not part.arc_stated:
-            in_bores = max(judged.direct(finest, arcs, RaisedInBores(more, counts)))
+            in_bores = max(judged.direct(level, arcs, RaisedInBores(more, counts)))
             notes.append(f"model band: {raised_words(part, counts)}")
         if len(counts) < len(every):
-            evened = max(judged.direct(finest, arcs, RaisedInBores(more, every)))
+            evened = max(value, *judged.direct(level, arcs, RaisedInBores(more, every)))
             notes.append(uncounted_words(part, every, evened, static=static))
     reached = [*by_arc.values(), in_bores]
     above = max(reached) - by_arc[pi] if by_arc else 0.0
@@ -157,7 +174,7 @@ def bars_of(
         notes.append(f"by clearance of the pins, MPa: {by}; over all of them {ends}")
         above += clearances.above
         below += clearances.below
-    along = beyond_even(judged, finest, part)
+    along = beyond_even(judged, level, part)
     if along is not None:
         evened = along.bent if along.uneven != along.bent else 0.0
         notes.append(along.words)
@@ -167,9 +184,15 @@ def bars_of(
     if clearances is not None and clearances.soft is not None:  # even along, and on a wider arc
         notes.append(f"with bushes that are soft {clearances.soft:.4g} MPa")
         above, below = max(above, clearances.soft - value), max(below, value - clearances.soft)
-    words = "; ".join(notes)
-    return Bars(
-        bar, above, below, words, values, sizes, by_arc, in_bores, clearances, along, evened, steel
+    return replace(
+        bars,
+        above=above,
+        below=below,
+        note="; ".join(text for text in notes if text),
+        in_bores=in_bores,
+        along=along,
+        evened=evened,
+        above_steel=steel,
     )
 
 

@@ -171,7 +171,8 @@ class Contact:
     Other clearances of the range are solved at the positions that are asked for, and so is a factor
     on all loads. Bodies and gaps are linear but for what touches: with all loads and clearances
     times a factor pressures and stresses are that factor higher and touch in the same places. So
-    the contact under a factor, over it, is as under the loads as they are on clearances over it.
+    the contact under a factor, over it, is the contact of the loads as they are, on clearances over
+    it.
 
     pins          of the mesh
     solutions     unit loads with the waves of pressure of these bores

@@ -8,15 +8,17 @@ from numpy.testing import assert_allclose
 
 from ballesta.machine.runs import solved_runs
 from checks.by_formula import pin_bending
-from checks.derivations.bars import solid_bars
+from checks.derivations.bars import rung_bars, solid_bars
 from checks.design.errors import DesignError
 from checks.ladder.chart_data import pins_data
 from checks.ladder.climb import start_climb
-from checks.ladder.levels import first_level
+from checks.ladder.levels import Asked, first_level
 from checks.ladder.part_facts import assumed_of, edges_words
+from checks.ladder.passing_fits import edges_that_pass
 from checks.ladder.result import cheap_result
+from checks.ladder.solid import check_solid
 from checks.models import shapes
-from checks.models.checked import raised_in_bores, rung_estimates, rung_level
+from checks.models.checked import evened_in, raised_in_bores, rung_estimates, rung_level
 from checks.part import pressed_along
 from checks.part.loaded_part import LoadedPart
 from checks.part.pressed_along import that_count
@@ -24,7 +26,7 @@ from checks.result.verdict import Status
 from checks.result.ways import edges_fact
 from checks.strength.part_strength import fatigue_use
 from checks.stress.beyond_even import beyond_even
-from checks.stress.error_bars import bars_of
+from checks.stress.error_bars import banded, bars_of
 from checks.stress.judged import StaticPeak
 from checks.stress.kept_models import Models
 from checks.stress.pins_in_bores import fits_of
@@ -187,7 +189,7 @@ def test_no_static_band_has_what_yields_at_edges_of_ductile_parts(bent, tmp_path
     assert f"{found.bent:.4g} MPa" in bars.note
     told, items = solid_bars(bars, "v")
     assert "q_2" not in {getattr(item, "symbol", "") for item in items}
-    assert "bent pins that are in no band" in told.words
+    assert f"in no band: bent pins, with which it is up to {found.bent:.4g} MPa" in told.words
     assert "of static not: edges yield, no more" in " ".join(assumed_of(loaded, level))
     loaded = rod(tmp_path, fits="")
     level, kept_in = first_level(loaded, Models()), brittle(loaded, "pin")
@@ -204,6 +206,11 @@ def test_no_static_band_has_what_yields_at_edges_of_ductile_parts(bent, tmp_path
     assert checks[0].model == checks[1].model < checks[2].model
     elastic = raised_in_bores(kept_in, by_formula, None)
     assert f"elastic, with it, up to {elastic:.4g} MPa" in checks[0].note
+    told, _ = rung_bars(
+        loaded.part, loaded.loads, by_formula.model, checks[0], "v",
+        evened=evened_in(loaded, by_formula, None),
+    )  # fmt: skip
+    assert f"in no band: bent pins, with which it is up to {elastic:.4g} MPa" in told.words
     use = fatigue_use(loaded)  # not covered by the theorem
     assert raised_in_bores(loaded, by_formula, use) > raised_in_bores(straight, by_formula, use)
 
@@ -261,6 +268,8 @@ def test_edges_that_are_stated_to_have_run_in_take_the_bent_pin_out_of_both_band
         assert_allclose(now.above, now.clearances.above, rtol=1e-12)
         assert was.above > now.above
         assert now.evened == was.along.uneven > what.value(level)
+        again = banded(was, what, even.part, level, even.uneven)
+        assert (again.above, again.below, again.above_steel) == (now.above, now.below, now.above)
         assert "its edges are stated as crowned" in now.note
         told[kind] = now.evened
     (said,) = edges_words(even, told)
@@ -303,6 +312,27 @@ def test_a_check_that_bent_pins_leave_open_names_the_edges_that_settle_it(tmp_pa
         assert (fact in facts) is named
         if named:
             assert_allclose(facts[fact], even.limit / even.upper, rtol=1e-9)
+
+
+def test_a_solid_names_the_edges_with_which_it_passes_and_then_does(bent):
+    """Fatigue by contact, asked for what the band of even pressure just holds."""
+    loaded, _ = bent
+    models, asked = Models(), Asked(frozenset({"fatigue"}), modes=False)
+
+    def checked(need, **edges):
+        require = loaded.design.require.model_copy(update={"fatigue": need})
+        one = replace(loaded, design=replace(loaded.design, require=require))
+        result = check_solid(run_in(one, **edges), models, asked=asked)
+        return result, next(check for check in result.checks if check.kind == "fatigue")
+
+    _, even = checked(1.0, first="run_in")
+    need = even.limit / even.upper * (1 - 1e-9)
+    result, check = checked(need)
+    assert check.status is Status.UNDECIDED
+    assert_allclose(result.facts[edges_fact("fatigue", ["first"])], need, rtol=1e-6)
+    assert checked(need, first="run_in")[1].status is Status.PASS
+    result, _ = checked(1.001 * need)
+    assert edges_fact("fatigue", ["first"]) not in result.facts
 
 
 def test_a_pin_that_is_no_part_claims_no_theorem(tmp_path):
@@ -505,3 +535,31 @@ def test_thin_cheeks_tilt_as_plates_bend():
     square where they hold less: 10 to 12.
     """
     assert 9.0 < tilt_of_cheeks(4.0) / tilt_of_cheeks(8.0) < 13.0
+
+
+def test_the_fewest_edges_come_first_and_bushes_last(tmp_path):
+    """Two bores bend: both together pass, one alone only with bushes of steel as well."""
+    loaded = rod(tmp_path, fits="")
+    one = loaded.uneven["first"]
+    loaded.__dict__["uneven"] = {"first": one, "second": one}  # as two pins had it
+    level = rung_level(loaded, shapes.model_of(loaded.part, loaded.loads))
+    use = fatigue_use(loaded)
+    check = rung_estimates(loaded, level, use, lambda _: None, ["fatigue"])["fatigue"].check
+    fails, half, holds = (
+        replace(check, limit=check.required * check.upper * share, numerical=0.0, model=0.0)
+        for share in (0.1, 2.0, 4.0)
+    )
+    half_open = replace(half, model=10 * half.value)
+    asked = []
+
+    def again(other, kind):
+        edges = other.part.bore_edges
+        asked.append(sorted(edges))
+        return (holds if len(edges) == 2 else half_open), half
+
+    found = edges_that_pass(loaded, [half_open, fails], again)
+    assert asked == [["first"], ["second"], ["first", "second"]]
+    assert found == {edges_fact("fatigue", ("first", "second")): holds.limit / holds.upper}
+    found = edges_that_pass(loaded, [half_open], lambda other, kind: (half_open, half))
+    assert list(found) == [edges_fact("fatigue", ("first",), steel=True)]
+    assert edges_that_pass(loaded, [half_open], lambda *_: (half_open, half_open)) == {}
