@@ -55,8 +55,8 @@ from checks.stress.stress_result import Stressed
 from checks.stress.symmetry import MEANING, mode_surface, shown_surface
 from fem.buckling import BucklingMode
 from fem.contact.condensed import ContactError
+from fem.lowest_modes import link_vibration
 from fem.unit_solutions import UnitSolutions
-from fem.vibration import link_vibration
 from geometry.mesh import FloatArray, MassProperties, MeshError
 from geometry.progress import expect
 from geometry.sizing import SizeField

@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from geometry.bars import RulingSection
-from geometry.body import Body, Region
 from geometry.mesh import FloatArray, Interface, MeshError
 from geometry.parameters import ParameterError, check_above
 from geometry.round_faces import Hole
-from geometry.shape import Shape
+from geometry.shape import Body, Region, Shape
 from geometry.step_file import StepSolid, file_hash, import_solid
 from geometry.step_survey import surveyed
 
