@@ -1,14 +1,13 @@
-"""Column curves that know crookedness: Perry and Robertson's, and those of Eurocode 3.
+"""Column curves that know crookedness: Ayrton and Perry's formula, and Eurocode 3's curves.
 
 A hinged column with the initial deflection e sin(pi x/L) bends on to e/(1 - F/F_E). Its outermost
 fibre yields at the axial stress s with
 
     (S_y - s) (s_E - s) = eta s_E s,    eta = e A/W
 
-(Ayrton and Perry, The Engineer 62 (1886) 464; Robertson, ICE Selected Paper 28 (1925): eta = 0.003
-L/k for steel, which is on the safe side of all his tests). EN 1993-1-1:2005, 6.3.1.2, has the same
-formula with eta = alpha (slenderness - 0.2), where alpha was fitted to tests and stands for
-crookedness and residual stress together.
+(Ayrton and Perry, The Engineer 62 (1886) 464). EN 1993-1-1:2005, 6.3.1.2, has the same formula with
+eta = alpha (slenderness - 0.2), where alpha was fitted to tests and stands for crookedness and
+residual stress together.
 
 Out of a plane a bar buckles as a column, and sideways where it is bent; both by energy.
 """
@@ -27,8 +26,6 @@ IMPERFECTION = {"a0": 0.13, "a": 0.21, "b": 0.34, "c": 0.49, "d": 0.76}
 # EN 1993-1-1:2005, table 5.1, elastic analysis: L/e of the bow that stands for crookedness and
 # residual stress together
 BOW = {"a0": 350.0, "a": 300.0, "b": 250.0, "c": 200.0, "d": 150.0}
-
-ROBERTSON = 0.003  # of the slenderness: Robertson's eta, where no crookedness is stated
 
 _PLATEAU = 0.2  # slenderness up to which Eurocode's curves carry the yield stress
 
