@@ -5,9 +5,9 @@ import numpy as np
 from fem.assembly import Pattern, full, stiffness
 from fem.elements import Elements
 from fem.end_conditions import SupportedSolid, check_whole, supported
+from fem.lowest_modes import Vibration, mass, solid_vibration
 from fem.solvers import factorize, node_dissection
 from fem.unit_solutions import Elastic, UnitSolutions, rigid_modes
-from fem.vibration import Vibration, mass, solid_vibration
 from geometry.mesh import FloatArray, IntArray, Mesh
 
 

@@ -25,7 +25,7 @@ from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.quasi_static import vibration_of, with_dynamics
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
 from ballesta.regression.bands import LARGEST, NOISE, band_width, is_bounded, percent
-from ballesta.regression.record import rungs_of
+from ballesta.regression.file import rungs_of
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError
 from checks.ladder.climb import start_climb

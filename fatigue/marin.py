@@ -36,7 +36,6 @@ class EnduranceLimit:
     value        MPa, uncorrected times the six factors
     uncorrected  MPa, of the polished rotating-beam specimen, 7.62 mm in diameter
     surface, size, load, temperature, reliability    Marin's factors k_a to k_e, each at most 1
-    notes        what a reader of the number should know: caps, ranges left, assumptions
     fretting     k_f, at most 1, where a clamp or a press fit rubs
     """
 
@@ -47,7 +46,6 @@ class EnduranceLimit:
     load: float
     temperature: float
     reliability: float
-    notes: tuple[str, ...] = ()
     fretting: float = 1.0
 
     def __post_init__(self) -> None:
@@ -84,47 +82,23 @@ def endurance_limit(
     where it was measured, instead of half the ultimate strength; fretting the factor, at least 1,
     by which a clamp or press fit lowers the limit, see `fretting_factor`.
     """
-    notes: list[str] = []
-    uncorrected = _uncorrected(ultimate_strength, specimen_limit, notes)
+    uncorrected = _uncorrected(ultimate_strength, specimen_limit)
     factors = (
         surface_factor(ultimate_strength, surface),
-        _size(equivalent_diameter, load, notes),
+        _size(equivalent_diameter, load),
         load_factor(load),
         temperature_factor(temperature),
         reliability_factor(reliability),
     )
-    law = _surface_law(ultimate_strength, surface)
-    if law > factors[0]:
-        notes.append(
-            f"surface: the power law gives {law:.3f} at {ultimate_strength:g} MPa, more than a "
-            f"smoother finish; {factors[0]:.3f} is taken"
-        )
-    if temperature < 20.0:
-        notes.append(
-            f"temperature: {temperature:g} deg C is below room temperature, check brittle fracture"
-        )
-    if temperature > 20.0 and specimen_limit is not None:
-        notes.append(
-            f"temperature: the factor at {temperature:g} deg C is that of steel, and the stated "
-            "limit must be one at room temperature"
-        )
     rubbed = fretting_factor(fretting)
-    return EnduranceLimit(
-        uncorrected * prod(factors) * rubbed, uncorrected, *factors, tuple(notes), rubbed
-    )
+    return EnduranceLimit(uncorrected * prod(factors) * rubbed, uncorrected, *factors, rubbed)
 
 
-def _uncorrected(ultimate_strength: float, specimen_limit: float | None, notes: list[str]) -> float:
+def _uncorrected(ultimate_strength: float, specimen_limit: float | None) -> float:
     _above_zero("ultimate strength", ultimate_strength, "MPa")
     if specimen_limit is not None:
         _above_zero("specimen limit", specimen_limit, "MPa")
-        notes.append("uncorrected limit stated, not derived from the ultimate strength")
         return specimen_limit
-    if 0.5 * ultimate_strength > LARGEST_SPECIMEN_LIMIT:
-        notes.append(
-            f"half the ultimate strength, {0.5 * ultimate_strength:g} MPa, is capped at "
-            f"{LARGEST_SPECIMEN_LIMIT:g} MPa"
-        )
     return min(0.5 * ultimate_strength, LARGEST_SPECIMEN_LIMIT)
 
 
@@ -159,24 +133,10 @@ def size_factor(equivalent_diameter: float) -> float:
     return min(1.0, float((equivalent_diameter / 7.62) ** -0.107))
 
 
-def _size(equivalent_diameter: float | None, load: str, notes: list[str]) -> float:
-    if equivalent_diameter is None:
-        if load != "axial":
-            notes.append("size: no equivalent diameter given, no size effect counted")
-        return 1.0
-    factor = size_factor(equivalent_diameter)
-    if load == "axial":
-        return 1.0  # eq. (6-21)
-    if equivalent_diameter > 254.0:
-        notes.append(
-            f"size: {equivalent_diameter:g} mm is beyond the data, 254 mm; the curve is continued"
-        )
-    elif equivalent_diameter < 7.62:
-        notes.append(
-            f"size: {equivalent_diameter:g} mm is thinner than the specimen, 7.62 mm; "
-            "no credit is taken"
-        )
-    return factor
+def _size(equivalent_diameter: float | None, load: str) -> float:
+    """k_b; 1 where no diameter is given, and in axial force, eq. (6-21)."""
+    factor = 1.0 if equivalent_diameter is None else size_factor(equivalent_diameter)
+    return 1.0 if load == "axial" else factor
 
 
 def round_equivalent_diameter(diameter: float) -> float:

@@ -17,8 +17,14 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from fem.frame import Frame, gauss_points
-from fem.frame_buckling import FrameModes, buckling_modes, whitening, work_of_axial_force
+from fem.frame import (
+    Frame,
+    FrameModes,
+    buckling_modes,
+    gauss_points,
+    whitening,
+    work_of_axial_force,
+)
 from fem.unit_solutions import Elastic
 from geometry.bars import Bar
 from geometry.mesh import FloatArray, IntArray

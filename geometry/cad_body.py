@@ -11,11 +11,11 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from geometry.body import Body, Buildable
-from geometry.element_count import check_skin
 from geometry.mesh import FloatArray, IntArray, Interface, MassProperties, MeshError
 from geometry.meshing import gmsh_session
 from geometry.part_sizes import in_unit, unit_of
+from geometry.shape import Body, Buildable
+from geometry.sizing import check_skin
 
 T = TypeVar("T")
 

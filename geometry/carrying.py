@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 
-from geometry.body import Body, Buildable
 from geometry.curving import ENOUGH, bent, least_coefficients, nearly_folded
 from geometry.mesh import (
     TET_EDGES,
@@ -29,6 +28,7 @@ from geometry.mesh import (
 )
 from geometry.meshing import gmsh_session, rounded
 from geometry.part_sizes import in_unit
+from geometry.shape import Body, Buildable
 
 
 class Carrier:

@@ -20,9 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from geometry.body import Body, Buildable
 from geometry.curving import ENOUGH, Gliding, around, bent, least_coefficients, moved, nearly_folded
-from geometry.element_count import SURE, check_elements, solid_elements, solid_unknowns
 from geometry.graphics import INSTALL
 from geometry.memory import check_memory, compactness_of, within_memory
 from geometry.mesh import (
@@ -36,7 +34,8 @@ from geometry.mesh import (
     UnsafeMesherError,
 )
 from geometry.part_sizes import in_unit, unit_of
-from geometry.sizing import SizeField
+from geometry.shape import Body, Buildable
+from geometry.sizing import SURE, SizeField, check_elements, solid_elements, solid_unknowns
 
 _NORMAL = 1  # a stack's faces are normal to y
 # Every option that changes a mesh is set here, so that the same part gives the same mesh.

@@ -10,8 +10,8 @@ from typing import Any, ClassVar, Protocol, TypeGuard
 
 import numpy as np
 
-from geometry.body import Body, Buildable, faces_where
 from geometry.mesh import SYMMETRY, FloatArray, MeshError
+from geometry.shape import Body, Buildable, faces_where
 
 _BESIDE = 1e-6  # of its size: how far the mirror image of a surface may lie beside the part
 _UNEVEN = 1e-3  # of its volume: the kernel integrates that of slender rods to some 3e-4 only

@@ -11,9 +11,8 @@ from functools import cached_property
 
 import numpy as np
 
-from loads.assembly import assemble, closest_approach
+from loads.assembly import assemble, change_point_error, check_change_points, closest_approach
 from loads.bodies import BoolArray, FloatArray, IntArray, LinkageError
-from loads.change_points import change_point_error, check_change_points
 from loads.joints import Coordinate, in_words, place_in_words
 from loads.kinematics import Kinematics
 from loads.linkage import Linkage

@@ -20,7 +20,7 @@ from reports.loads_figures import FloatArray
 from reports.loads_summary import ShownCycle
 from reports.mechanism_layout import ARROW, Layout, both_ends, entry
 from reports.mechanism_picture import TIP, Picture
-from reports.places import deciding_place
+from reports.page_words import deciding_place
 from reports.templating import environment, packed_json, series
 
 PREFIX = "mechanism"

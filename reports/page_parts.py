@@ -13,9 +13,8 @@ from checks.result.words import brief, check_titles, number
 from reports.answer_facts import Answer, Fact, PartRow
 from reports.charts import Charts, DesignCharts
 from reports.gauge import gauge
-from reports.page_words import doubt_of
+from reports.page_words import Place, doubt_of, place_of, shown_of
 from reports.pictures import PLAIN, Pictures
-from reports.places import Place, place_of, shown_of
 
 ORDER = (Status.FAIL, Status.UNDECIDED, Status.PASS)  # worst first
 _ALIKE = 0.01  # of a value: parts that differ by more are told one by one
@@ -47,7 +46,7 @@ class Row:
     decides  True if it decides the verdict; leads: True if it is the worst of its part
     gauge    its utilisation as a picture
     place    (cycle, position, part) by their numbers, to be shown in the live view; None if unknown
-    shown    JSON of what the live view shows of it (reports/places.py)
+    shown    JSON of what the live view shows of it (reports/page_words.py)
     doubt    what a pass rests on that does not hold, in a few words
     part     whose check it is; None for the linkage
     """

@@ -24,8 +24,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import PngImagePlugin  # noqa: F401 (each still needs it: loaded beside other work)
 
-from reports.plain_still import plain_still
-from reports.surface_style import FACES, LIGHTING, LINES, MARK, sharp_edges
+from reports.plain_still import FACES, LIGHTING, LINES, MARK, plain_still, sharp_edges
 from reports.worker import AHEAD, PLAIN
 
 FloatArray = npt.NDArray[np.float64]

@@ -11,8 +11,14 @@ from secrets import token_hex
 from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
-from ballesta.batches.cluster_reply import from_text, nothing_unpickled
-from ballesta.batches.cluster_worker import Site, leave, run_there, versions
+from ballesta.batches.cluster_worker import (
+    Site,
+    from_text,
+    leave,
+    nothing_unpickled,
+    run_there,
+    versions,
+)
 from ballesta.batches.job import text_digest
 from ballesta.batches.outcome import CRASHED
 from ballesta.batches.pool import Finished, PoolError

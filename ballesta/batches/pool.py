@@ -74,7 +74,7 @@ class WorkerProcess:
         with self._log.open("ab") as log:
             self._process = subprocess.Popen(
                 # -P: modules of the user's own folder must not stand in for ours
-                [sys.executable, "-P", "-m", "ballesta.batches.worker", function],
+                [sys.executable, "-P", "-m", "ballesta.batches.processes", function],
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=log,
                 env=environment, cwd=cwd, start_new_session=True,
             )  # fmt: skip

@@ -17,9 +17,9 @@ from ballesta.regression.file import (
     baseline_path,
     is_old,
     read_baseline,
+    rungs_of,
     write_record,
 )
-from ballesta.regression.record import rungs_of
 from checks.design.errors import DesignError, NumericsError
 from checks.result.verdict import DesignResult
 

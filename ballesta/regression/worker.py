@@ -67,7 +67,7 @@ def measured(
     """
     from ballesta.design.read import read_design
     from ballesta.pipeline import check_design
-    from ballesta.regression.record import has_new_solid, record_of, rungs_of
+    from ballesta.regression.file import has_new_solid, record_of, rungs_of
     from checks.design.effort import Effort, effort_of
     from checks.store.fingerprints import stages_of
 

@@ -1,14 +1,14 @@
 """A part as a column in each plane, at the largest compression of all its cycles.
 
 The limit that decides is the least of yield, Johnson and Euler, or the Eurocode 3 curve that the
-part's column states; the other limits stand beside it. The required safety for buckling applies
-either way: no partial factor is mixed into it (docs/theory/columns.md).
+part's column states. The required safety for buckling applies either way: no partial factor is
+mixed into it (docs/theory/columns.md).
 """
 
 from collections.abc import Iterator
 from typing import Any
 
-from checks.columns.column_limits import UNKNOWN_CURVE, ColumnCase, Plane, cases_of, planes_of
+from checks.columns.column_limits import ColumnCase, Plane, planes_of
 from checks.columns.stability import (
     JudgedColumns,
     axial_compression,
@@ -16,7 +16,7 @@ from checks.columns.stability import (
     worst_compression,
 )
 from checks.design.data import Part
-from checks.handbook.column_curves import IMPERFECTION, ROBERTSON
+from checks.handbook.column_curves import IMPERFECTION
 from checks.part.derived import Heading, Kind, load_case, yield_stress, young
 from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import BARS, BarSymbols, Derivation, Given, Item, Section, Step
@@ -32,11 +32,9 @@ COLUMN = Kind(
 )
 KINDS = (COLUMN,)
 
-_TOLD = 6  # sections in the facts
 _THEORY = "docs/theory/columns.md"
 _EULER = "Euler; Timoshenko and Gere, Theory of Elastic Stability, 2nd ed., 2.1"
 _JOHNSON = "Shigley, 10th ed., section 4-13"
-_PERRY = "Ayrton and Perry 1886, Robertson 1925"
 _EUROCODE = "EN 1993-1-1:2005, 6.3.1.2"
 
 
@@ -63,10 +61,9 @@ def not_checked(loaded: LoadedPart) -> Iterator[str]:
 
 
 def facts(loaded: LoadedPart) -> dict[str, float | str]:
-    """Column limits of a part side by side: safeties by section and plane, effective lengths.
+    """The largest compression of a part over all cycles.
 
-    Of many sections those with the least safety. Empty for a part that is never compressed or has
-    no sections.
+    Empty for a part that is never compressed or has no sections.
     """
     part, loads = loaded.part, loaded.loads
     worst = worst_compression(part, loads)
@@ -74,19 +71,7 @@ def facts(loaded: LoadedPart) -> dict[str, float | str]:
         return {}
     force = float(axial_compression(part, loads)[worst])
     where = f"{loads.cycle_names[worst]}, {loads.labels[worst]}"
-    found: dict[str, float | str] = {
-        "largest compression [N]": force,
-        "largest compression at": where,
-    }
-    for plane in planes_of(loaded.design, part):
-        least = [case for case, *_ in judged_columns(part, plane, force).found[:_TOLD]]
-        for case in filter(least.__contains__, cases_of(part, plane)):
-            safeties = case.safeties(force / case.section.area, part.material.yield_stress)
-            name = f"column {plane.name}, {case.section.name}{'' if case.whole else ', by itself'}"
-            found[f"{name}: safety"] = ", ".join(f"{k} {v:.3g}" for k, v in safeties.items())
-            found[f"{name}: effective length [mm]"] = case.length
-            found[f"{name}: slenderness"] = case.strength.slenderness
-    return found
+    return {"largest compression [N]": force, "largest compression at": where}
 
 
 def charts(loaded: LoadedPart) -> dict[str, Any]:
@@ -99,7 +84,7 @@ def charts(loaded: LoadedPart) -> dict[str, Any]:
     force        cycle -> (n,) N, axial compression; below 0 it is tension
     planes       one entry each: section, its area (mm2), slenderness, the least slenderness that
                  stiffer ends could give, effective length (mm), axial stress (MPa), limit (MPa)
-                 and its law, eta of Perry and Robertson where it is not 0.003 times the slenderness
+                 and its law
 
     Empty for a part that has no sections or is never compressed.
     """
@@ -135,9 +120,9 @@ def _heading(loaded: LoadedPart, plane: Plane, judged: JudgedColumns) -> Heading
         kind=COLUMN,
         of=plane.name,
         place=case.section.name,
-        basis=f"{case.law(loaded.part.column.curve)}; slenderness {case.strength.slenderness:.1f} "
+        basis=f"{case.law}; slenderness {case.strength.slenderness:.1f} "
         f"over {length}; Euler {case.strength.euler:.4g} MPa; value is axial stress",
-        note=judged.told(loaded.part),
+        note=judged.told,
         plane=plane.name if case.whole else "",
         span=plane.length if case.whole else 0.0,
     )
@@ -160,7 +145,6 @@ def _derivation(
         sections=(
             Section("Demand", tuple(_demand(case, force))),
             Section("Limit", tuple(_limit(part, plane, case))),
-            Section("Other limits of the same column", tuple(_others(part, plane, case))),
             Section(BARS, tuple(items)),
         ),
         value="sigma",
@@ -181,13 +165,13 @@ def _demand(case: ColumnCase, force: float) -> list[Item]:
 
 def _limit(part: Part, plane: Plane, case: ColumnCase) -> list[Item]:
     curve = part.column.curve
-    governs = case.law(curve)
+    governs = case.law
     if curve is not None:
         formula, source, last = "S_y*chi", _EUROCODE, _curve(curve)
     elif governs == "Euler":
         formula, source, last = "sigma_E", _EULER, []
     else:
-        formula, source, last = _johnson(), _JOHNSON, []
+        formula, source, last = "S_y*(1 - S_y*lam^2/(4*pi^2*E))", _JOHNSON, []
     return [
         yield_stress(part),
         young(part),
@@ -200,10 +184,6 @@ def _limit(part: Part, plane: Plane, case: ColumnCase) -> list[Item]:
         Step("S", f"axial stress that the column carries, by {governs}", formula, "MPa", source,
              main=True),
     ]  # fmt: skip
-
-
-def _johnson() -> str:
-    return "S_y*(1 - S_y*lam^2/(4*pi^2*E))"
 
 
 def _length(case: ColumnCase) -> list[Item]:
@@ -231,37 +211,7 @@ def _curve(curve: str) -> list[Item]:
     ]
 
 
-def _others(part: Part, plane: Plane, case: ColumnCase) -> list[Item]:
-    """Limits that do not decide, beside the one that does."""
-    found: list[Item] = []
-    curve, strength = part.column.curve, case.strength
-    if strength.johnson is not None and (curve is not None or strength.governs == "Euler"):
-        found.append(Step("S_J", "by Johnson", _johnson(), "MPa", _JOHNSON))
-    if part.column.crookedness is not None and case.whole:
-        built_up, depth = plane.built_up(case.section)
-        found += [
-            Given("e_0", "crookedness", part.column.crookedness, "mm", "the design"),
-            Given("W", "section modulus of the whole column", built_up / depth, "mm3"),
-            Step("eta_P", "stress of the crookedness over the axial", "e_0*A/W", "", _PERRY),
-        ]
-    else:
-        said = "crookedness of common steel bars"
-        found.append(Step("eta_P", said, f"{ROBERTSON:g}*lam", "", _PERRY))
-    found += [
-        Step("h", "half sum", "(S_y + (1 + eta_P)*sigma_E)/2", "MPa", _PERRY),
-        Step("S_P", "by Perry and Robertson", "S_y*sigma_E/(h + sqrt(h^2 - S_y*sigma_E))", "MPa",
-             _PERRY),
-    ]  # fmt: skip
-    if curve is None:
-        found += [
-            *_curve(UNKNOWN_CURVE),
-            Step("S_c", f"by Eurocode 3, curve {UNKNOWN_CURVE}", "S_y*chi", "MPa", _EUROCODE),
-        ]
-    return found
-
-
 def _plane_data(part: Part, plane: Plane, force: float) -> dict[str, Any]:
-    curve = part.column.curve
     judged = judged_columns(part, plane, force)
     case, stress, _ = judged.deciding
     return {
@@ -272,7 +222,6 @@ def _plane_data(part: Part, plane: Plane, force: float) -> dict[str, Any]:
         "stiffest": min(judged.held.strength.slenderness, case.strength.slenderness),
         "length": case.length,
         "stress": stress,
-        "limit": case.limit(curve),
-        "law": case.law(curve),
-        "eta": case.eta,
+        "limit": case.limit,
+        "law": case.law,
     }

@@ -1,4 +1,4 @@
-"""Column strength of a part in one plane: every handbook limit, for every section.
+"""Column strength of a part in one plane, by handbook, for every section.
 
 A part whose sections tell their stretch is one column with steps; each of its sections is judged by
 that column's lowest force, and one that has a free length of its own also by that. Pins are hinges
@@ -13,14 +13,7 @@ from itertools import pairwise
 from math import inf, pi, sqrt
 
 from checks.design.data import Design, Part
-from checks.handbook.column_curves import (
-    IMPERFECTION,
-    ROBERTSON,
-    ColumnStrength,
-    column_strength,
-    eurocode_stress,
-    perry_robertson,
-)
+from checks.handbook.column_curves import ColumnStrength, column_strength, eurocode_stress
 from checks.handbook.tapered_columns import (
     CLAMPED,
     HINGED,
@@ -32,7 +25,6 @@ from checks.handbook.tapered_columns import (
 from checks.part.part_loads import interface_distance
 from geometry.bars import Section
 
-UNKNOWN_CURVE = "c"  # EN 1993-1-1, table 6.2: solid sections and those that are no standard profile
 _JOINED = 1e-6  # of the column's length
 
 
@@ -82,9 +74,8 @@ class ColumnCase:
     stepped   whether the whole part changes its section
     length    mm, effective: the hinged, even column of this section with the same Euler force
     strength  yield, Johnson and Euler
-    eta       stress of the stated crookedness over the axial one; None without one
-    perry     MPa, Perry-Robertson with that eta, else 0.003 times the slenderness
-    curves    MPa by Eurocode 3, by the curve's name
+    limit     MPa, axial stress that the section carries: by its strength, or by a stated curve
+    law       name of the rule that gives the limit
     """
 
     section: Section
@@ -92,26 +83,8 @@ class ColumnCase:
     stepped: bool
     length: float
     strength: ColumnStrength
-    eta: float | None
-    perry: float
-    curves: dict[str, float]
-
-    def limit(self, curve: str | None) -> float:
-        """Axial stress, MPa, that the section carries: by a column curve, or by the handbook."""
-        return self.strength.critical if curve is None else self.curves[curve]
-
-    def law(self, curve: str | None) -> str:
-        """Name of the rule that gives the limit."""
-        return self.strength.governs if curve is None else f"Eurocode 3 curve {curve}"
-
-    def safeties(self, stress: float, yield_stress: float) -> dict[str, float]:
-        """Every limit over the axial stress, by name."""
-        found = {"yield": yield_stress}
-        if self.strength.johnson is not None:
-            found["Johnson"] = self.strength.johnson
-        found |= {"Euler": self.strength.euler, "Perry-Robertson": self.perry}
-        found |= {f"Eurocode 3 {name}": value for name, value in self.curves.items()}
-        return {name: value / stress for name, value in found.items()}
+    limit: float
+    law: str
 
 
 def planes_of(design: Design, part: Part) -> tuple[Plane, Plane]:
@@ -185,24 +158,11 @@ def _case(part: Part, plane: Plane, section: Section, length: float, *, whole: b
     strength = column_strength(
         section.area, inertia, length, material.yield_stress, material.youngs_modulus
     )
-    stated = None
-    if part.column.crookedness is not None and whole:
-        built_up, depth = plane.built_up(section)
-        stated = part.column.crookedness * section.area * depth / built_up
-    eta = ROBERTSON * strength.slenderness if stated is None else stated
-    return ColumnCase(
-        section,
-        whole,
-        is_stepped(part),
-        length,
-        strength,
-        stated,
-        perry_robertson(strength.euler, material.yield_stress, eta),
-        {
-            name: eurocode_stress(strength.euler, material.yield_stress, name)
-            for name in IMPERFECTION
-        },
-    )
+    limit, law, curve = strength.critical, strength.governs, part.column.curve
+    if curve is not None:
+        limit = eurocode_stress(strength.euler, material.yield_stress, curve)
+        law = f"Eurocode 3 curve {curve}"
+    return ColumnCase(section, whole, is_stepped(part), length, strength, limit, law)
 
 
 def _stepped(young: float, sections: Sequence[Section], plane: Plane) -> ColumnShape:

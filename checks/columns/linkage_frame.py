@@ -28,7 +28,7 @@ from checks.part.derived import Kind
 from checks.part.part_loads import shown_of
 from checks.result.verdict import Check
 from checks.strength.sampling import with_sampling
-from fem.frame_buckling import FrameModes, LooseFrameError
+from fem.frame import FrameModes, LooseFrameError
 from fem.frame_joints import IN_PLANE, OUT_OF_PLANE, PlacedLinks
 from geometry.mesh import FloatArray, IntArray
 

@@ -6,7 +6,7 @@ from math import inf
 
 import numpy as np
 
-from checks.columns.column_limits import UNKNOWN_CURVE, ColumnCase, Plane, cases_of
+from checks.columns.column_limits import ColumnCase, Plane, cases_of
 from checks.columns.column_moments import axial_compression as axial_compression
 from checks.design.data import Part
 from checks.part.derived import Kind
@@ -55,38 +55,32 @@ class JudgedColumns:
         """True if stiffer ends would make a difference."""
         return self.stiffest > self.deciding[2] * (1 + _SAME)
 
-    def told(self, part: Part) -> str:
-        """All limits of the deciding column, and what the others have."""
-        (case, stress, _), *others = self.found
-        safeties = case.safeties(stress, part.material.yield_stress)
-        shown = {UNKNOWN_CURVE, part.column.curve or UNKNOWN_CURVE}
-        texts = [
-            f"{name} {value:.3g}"
-            for name, value in safeties.items()
-            if not name.startswith("Eurocode") or name.split()[-1] in shown
-        ]
-        told = f"safety by {', '.join(texts)}"
-        if self.between:
-            told += f"; with the stiffest ends {self.stiffest:.3g}"
+    @property
+    def told(self) -> str:
+        """Safeties with the stiffest ends, and of the other sections."""
+        _, *others = self.found
+        told = [f"safety with the stiffest ends {self.stiffest:.3g}"] if self.between else []
         if others:
-            told += "; other sections, safety: " + "; ".join(
-                f"{c.section.name}{'' if c.whole else ' by itself'}: {value:.2f} "
-                f"({c.law(part.column.curve)}, slenderness {c.strength.slenderness:.1f})"
-                for c, _, value in others
+            told.append(
+                "other sections, safety: "
+                + "; ".join(
+                    f"{c.section.name}{'' if c.whole else ' by itself'}: {value:.2f} "
+                    f"({c.law}, slenderness {c.strength.slenderness:.1f})"
+                    for c, _, value in others
+                )
             )
-        return told
+        return "; ".join(told)
 
 
 def judged_columns(part: Part, plane: Plane, force: float) -> JudgedColumns:
     """Judge every section of a part as a column in a plane under a compression, N."""
-    curve = part.column.curve
     found = []
     for case in cases_of(part, plane):
         stress = force / case.section.area
-        found.append((case, stress, case.limit(curve) / stress))
+        found.append((case, stress, case.limit / stress))
     held = cases_of(part, plane, stiffest=True)
     order = sorted(range(len(found)), key=lambda k: found[k][2])
-    stiffest = min(case.limit(curve) * case.section.area / force for case in held)
+    stiffest = min(case.limit * case.section.area / force for case in held)
     return JudgedColumns(tuple(found[k] for k in order), held[order[0]], stiffest)
 
 

@@ -7,7 +7,7 @@ twists, whose fibres along it bend: E b^3 t^3/144 of a plate b wide. The stress 
     1/2 integral [N (w'^2 + r^2 t'^2) - 2 M w' t' + 2 V w' t]
 
 (Timoshenko and Gere, Theory of Elastic Stability, 2nd ed., 5.3, 6.1 and 6.3; derived in
-fem/frame_buckling.py). A pin's pressure keeps its direction and stays at its points of the bore.
+fem/frame.py). A pin's pressure keeps its direction and stays at its points of the bore.
 With the sums T_xx, T_xy, T_yy of place times force, from the pin's axis, a bore that turns as a
 whole adds 1/2 (T_xx w'^2 + 2 T_xy w' t + T_yy t^2) (docs/theory/rungs.md).
 
@@ -152,7 +152,7 @@ def bore_pressure(radius: float, wrench: FloatArray) -> FloatArray:
     wrench  (n, 6) N, N mm. A half cosine pressure has 8/(3 pi) F r along its force and 4/(3 pi) F r
             across: integrals of cos^3 and cos sin^2 over cos^2's. A couple comes from
             friction all round, half from forces along x and half along y; M alone has it from those
-            along x, so half of it is added to xy (fem/frame_buckling.py).
+            along x, so half of it is added to xy (fem/frame.py).
 
     >>> force = np.array([[pi, 0.0, 0.0, 0.0, 0.0, 0.0]])
     >>> bool(np.allclose(bore_pressure(3.0, force)[:, 0], [8.0, 0.0, 4.0]))

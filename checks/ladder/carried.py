@@ -36,9 +36,9 @@ from checks.stress.solid_mesh_level import Level, Models
 from checks.stress.symmetry import MEANING, half_of, surface_triangles
 from fem.convergence import ErrorBar
 from fem.recovery import von_mises
-from geometry.body import Buildable
 from geometry.carrying import Carrier
 from geometry.mesh import FloatArray, IntArray, Mesh, MeshError
+from geometry.shape import Buildable
 
 METHOD = "solid, mesh carried over"
 WIDER = 1.25  # times the neighbour's numerical bars (bench/swept.py)

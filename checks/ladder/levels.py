@@ -19,8 +19,8 @@ from checks.stress.symmetry import half_of
 from fem.contact.condensed import ContactError
 from fem.recovery import refined_sizes, stress_error
 from fem.unit_solutions import UnitSolutions
-from geometry.body import Buildable
 from geometry.mesh import FloatArray, Mesh, MeshError, TooManyElementsError, TooManyUnknownsError
+from geometry.shape import Buildable
 from geometry.sizing import SizeField
 
 # Fineness of the first mesh for a verdict on stress alone, and the accuracy from which on.

@@ -33,7 +33,7 @@ from checks.result.verdict import (
 from checks.result.ways import mesh_that_settles
 from checks.strength.fatigue_facts import fatigue_facts
 from checks.strength.load_doubts import load_bars
-from checks.strength.part_strength import endurance_of, life_task
+from checks.strength.part_strength import endurance_of
 from checks.stress.solid_mesh_level import Models
 from checks.stress.stress_result import RungLevel
 from fem.recovery import LARGEST_RATIO, MEANING
@@ -58,7 +58,7 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
     peak = None
     if climb.use is not None:
         peak = climb.use.worst(level)
-        facts |= fatigue_facts(part, level, peak, life_task(part, loaded.duty))
+        facts |= fatigue_facts(level, peak)
         missed = climb.use.safety_missed(level)
         gates.append(Gate(f"{part.name}: fatigue safety", missed, *RESCALED))
     facts |= edges_that_pass(loaded, answered(climb), climb.with_edges)

@@ -45,7 +45,7 @@ from checks.store.solutions import remembered
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse
 from checks.strength.fatigue_facts import fatigue_facts
 from checks.strength.load_doubts import LoadBars, load_bars
-from checks.strength.part_strength import elastic_of, endurance_of, fatigue_use, life_task
+from checks.strength.part_strength import elastic_of, endurance_of, fatigue_use
 from checks.strength.sampling import fatigue_rise, static_rise, with_sampling
 from checks.stress.error_bars import Bars, banded, bars_of, mesh_bar
 from checks.stress.judged import Judged, StaticPeak
@@ -55,8 +55,8 @@ from checks.stress.stress_result import Stressed
 from checks.stress.symmetry import MEANING, mode_surface, shown_surface
 from fem.buckling import BucklingMode
 from fem.contact.condensed import ContactError
+from fem.lowest_modes import link_vibration
 from fem.unit_solutions import UnitSolutions
-from fem.vibration import link_vibration
 from geometry.mesh import FloatArray, MassProperties, MeshError
 from geometry.progress import expect
 from geometry.sizing import SizeField
@@ -415,7 +415,7 @@ def solid_facts(
     if isinstance(use, FkmUse):
         facts |= use.found(finest).facts()
     elif use is not None:
-        facts |= fatigue_facts(part, finest, use.worst(finest), life_task(part, loaded.duty))
+        facts |= fatigue_facts(finest, use.worst(finest))
     return facts
 
 

@@ -25,11 +25,11 @@ from checks.part.part_loads import Doubt, PartLoads, Runs, first_largest, loads_
 from checks.part.pressed_along import Stack, Uneven, stack_in, uneven_bores
 from checks.result.derivation import BARS, Derivation, Item, Section
 from checks.result.verdict import Check
-from geometry.body import Buildable
 from geometry.cad_body import SolidBody, cad_body
 from geometry.closed_form import closed_body
 from geometry.mesh import Interface, Mesh
 from geometry.meshing import mesh_shape
+from geometry.shape import Buildable
 
 FIRST = 0.7  # fineness of the first mesh; where the stress decides, later ones are finer
 

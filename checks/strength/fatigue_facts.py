@@ -6,7 +6,6 @@ import numpy as np
 
 import fatigue
 from checks.design.data import Part
-from checks.strength.finite_life import LifeTask, lives_of, why_no_curve
 from checks.stress.duty_verdict import FatiguePeak, widest
 from checks.stress.stress_result import Stressed
 from fatigue.proportionality import PROPORTIONAL
@@ -55,41 +54,22 @@ def _stress(level: Stressed, peak: FatiguePeak) -> FloatArray:
     return np.asarray(level.history.basis[peak.point] @ path)
 
 
-def fatigue_facts(
-    part: Part, level: Stressed, peak: FatiguePeak, task: LifeTask
-) -> dict[str, float | str]:
-    """Facts of the critical point, by name; safeties are on all loads."""
-    material, limit = part.material, float(level.limits[peak.point])
+def fatigue_facts(level: Stressed, peak: FatiguePeak) -> dict[str, float | str]:
+    """Facts of the critical point, by name: its stresses, and whether their path is straight.
+
+    The safety by Findley's plane is on all loads.
+    """
     amplitude, mean = chord_at(level, peak)
     facts: dict[str, float | str] = {
         "fatigue amplitude [MPa]": amplitude,
         "fatigue mean stress [MPa]": mean,
     }
-    facts |= _multiaxial(level, peak)
-    if why_no_curve(material, limit, axial=task.axial):
-        return facts
-    (life,) = lives_of(level.judged_duty, task, np.array([peak.point]))
-    facts["Miner's sum of the duty at the critical point"] = (
-        (
-            f"{life.damage:.3g} of {task.allowed_damage:.3g} that are allowed or left"
-            if life.damage
-            else "0, no cycle exceeds the endurance limit"
-        )
-        + f"; {life.cycles.cycle_counts.sum():.4g} cycles, safety for this life "
-        + _safety(1.0 / life.safety)
-    )
-    return facts
-
-
-def _multiaxial(level: Stressed, peak: FatiguePeak) -> dict[str, float | str]:
-    """Straightness of the critical point's path, and Findley's plane where it is not straight."""
     limit = float(level.limits[peak.point])
     criterion = fatigue.findley_criterion()
     path = np.ascontiguousarray(level.coefficients[:, path_of(level, peak)])
     bounds = fatigue.path_bounds(level.history.basis[[peak.point]], path, criterion.k)
     stress = _stress(level, peak)
     width = float(bounds.width[0])
-    facts: dict[str, float | str] = {}
     if width <= PROPORTIONAL:
         facts["stress path at the critical point"] = "proportional: Goodman alone decides"
     else:

@@ -14,12 +14,12 @@ import numpy as np
 
 from checks.store.store import Store
 from fem.threads import one_thread
-from geometry.body import Buildable
 from geometry.cad_body import Skin, SolidBody, cad_body, cad_skin
 from geometry.closed_form import closed_body
 from geometry.mesh import Mesh
 from geometry.meshing import mesh_shape
 from geometry.progress import expect
+from geometry.shape import Buildable
 from geometry.sizing import SizeField
 from geometry.symmetry import Half
 

@@ -8,10 +8,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from geometry.bars import Bar, RulingSection, Section, even, round_tube, round_tube_section
-from geometry.body import Body, faces_where
 from geometry.mesh import Interface
 from geometry.parameters import GIVEN_BY_LINKAGE, a_length, check_above
-from geometry.shape import Shape
+from geometry.shape import Body, Shape, faces_where
 
 
 @dataclass(frozen=True)

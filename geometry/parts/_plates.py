@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from geometry.body import faces_where
+from geometry.shape import faces_where
 
 
 def stadium(gmsh: Any, start: float, stop: float, width: float, thickness: float) -> int:

@@ -7,7 +7,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from geometry.bars import Bar, RulingSection, Sections, even, rectangle
-from geometry.body import Body, Region, faces_where
 from geometry.mesh import Interface
 from geometry.parameters import (
     GIVEN_BY_LINKAGE,
@@ -21,7 +20,7 @@ from geometry.parameters import (
     check_at_most,
     within,
 )
-from geometry.shape import Shape
+from geometry.shape import Body, Region, Shape, faces_where
 
 
 @dataclass(frozen=True)

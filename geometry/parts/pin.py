@@ -9,7 +9,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from geometry.bars import RulingSection
-from geometry.body import Body, Region, faces_where
 from geometry.mesh import Interface
 from geometry.parameters import (
     ParameterError,
@@ -20,7 +19,7 @@ from geometry.parameters import (
     within,
 )
 from geometry.parts._plates import Outline
-from geometry.shape import Shape
+from geometry.shape import Body, Region, Shape, faces_where
 
 _LONGEST = 8.0  # elements over a lug's width
 

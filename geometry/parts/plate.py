@@ -11,11 +11,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from geometry.bars import Bar, RulingSection, Sections, rectangle
-from geometry.body import Body, Region, faces_where
 from geometry.mesh import FloatArray, Interface
 from geometry.outlines import Contour, Edges, PlateOutline
 from geometry.parameters import ParameterError, check_above
-from geometry.shape import Shape
+from geometry.shape import Body, Region, Shape, faces_where
 
 _BORE_ELEMENTS = 7.0  # elements along the radius of a bore
 _FILLET_ELEMENTS = 2.0  # along the radius of a hollow edge

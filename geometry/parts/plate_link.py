@@ -20,11 +20,10 @@ from geometry.bars import (
     plate_section,
     rectangle,
 )
-from geometry.body import Body, Region
 from geometry.mesh import FloatArray, Interface
 from geometry.parameters import GIVEN_BY_LINKAGE, ParameterError, a_length, check_above, check_below
 from geometry.parts._plates import bore_at, drill, stadium
-from geometry.shape import Ligament, Shape
+from geometry.shape import Body, Ligament, Region, Shape
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,10 @@ import numpy as np
 
 from geometry.bars import Bar, RulingSection, Section, Walls, even, square_tube_section
 from geometry.bars import square_tube as square_section
-from geometry.body import Body, faces_where
 from geometry.mesh import Interface
 from geometry.parameters import GIVEN_BY_LINKAGE, a_length, check_square_tube
 from geometry.parts._plates import square_tube
-from geometry.shape import Shape
+from geometry.shape import Body, Shape, faces_where
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ from typing import Any, ClassVar
 import numpy as np
 
 from geometry.bars import RulingSection
-from geometry.body import Body, Region, faces_where
 from geometry.mesh import Interface
 from geometry.parameters import (
     GIVEN_BY_LINKAGE,
@@ -20,7 +19,7 @@ from geometry.parameters import (
     within,
 )
 from geometry.parts._plates import bore_at, drill, stadium
-from geometry.shape import Ligament, Shape
+from geometry.shape import Body, Ligament, Region, Shape, faces_where
 
 
 @dataclass(frozen=True)

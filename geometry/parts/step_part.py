@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 
 from geometry.bars import RulingSection, Section, fine_cells
-from geometry.body import Body, Region
 from geometry.cad_body import cad_skin
 from geometry.mesh import FloatArray, Interface, MeshError
 from geometry.parameters import ParameterError, check_above
 from geometry.round_faces import Hole
-from geometry.shape import Shape
+from geometry.shape import Body, Region, Shape
 from geometry.slices import Slice, in_stretches, sliced
 from geometry.step_file import StepSolid, file_hash, import_solid
 from geometry.step_survey import surveyed

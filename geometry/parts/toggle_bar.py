@@ -20,7 +20,6 @@ from geometry.bars import (
     square_tube_section,
 )
 from geometry.bars import square_tube as square_section
-from geometry.body import Body, Region, faces_where
 from geometry.mesh import FloatArray, Interface
 from geometry.parameters import (
     GIVEN_BY_LINKAGE,
@@ -30,7 +29,7 @@ from geometry.parameters import (
     check_square_tube,
 )
 from geometry.parts._plates import bore_at, drill, square_tube
-from geometry.shape import Ligament, Shape
+from geometry.shape import Body, Ligament, Region, Shape, faces_where
 
 
 @dataclass(frozen=True)

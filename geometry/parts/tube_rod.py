@@ -19,7 +19,6 @@ from geometry.bars import (
     round_tube,
     round_tube_section,
 )
-from geometry.body import Body, Region, faces_where
 from geometry.mesh import FloatArray, Interface
 from geometry.parameters import (
     GIVEN_BY_LINKAGE,
@@ -31,7 +30,7 @@ from geometry.parameters import (
     check_below,
 )
 from geometry.parts._plates import Outline, bore_at, drill
-from geometry.shape import Ligament, Shape
+from geometry.shape import Body, Ligament, Region, Shape, faces_where
 
 _ANGLES, _WEIGHTS = np.polynomial.legendre.leggauss(24)
 

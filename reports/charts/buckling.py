@@ -1,24 +1,28 @@
 """A part among the column curves: stress against slenderness, in and out of its plane."""
 
 from collections.abc import Callable, Mapping
-from functools import partial
 from math import pi
 from typing import Any
 
 import numpy as np
 
 from checks.handbook.column_curves import (
-    IMPERFECTION,
-    ROBERTSON,
     eurocode_stress,
     johnson_stress,
-    perry_robertson,
     transition_slenderness,
 )
 from checks.result.verdict import DesignResult, PartResult
 from checks.result.words import brief, need_text, number, safety_text
-from reports.charts.chart import Chart, Missing, Series, thinned
-from reports.charts.numbers import FloatArray, decimals_of, fixed, numbers
+from reports.charts.chart import (
+    Chart,
+    FloatArray,
+    Missing,
+    Series,
+    decimals_of,
+    fixed,
+    numbers,
+    thinned,
+)
 from reports.charts.over_cycle import cursor_text
 from reports.charts.plane import Plane, drawing, ink
 from reports.svg import SERIES, Drawing, colour
@@ -31,7 +35,7 @@ Curve = Callable[[float], float]
 
 
 def buckling_chart(part: PartResult, result: DesignResult) -> Chart | Missing:
-    """Yield, Johnson, Euler, Perry-Robertson and Eurocode 3, and where the part stands."""
+    """Yield, Johnson, Euler, a stated curve of Eurocode 3, and where the part stands."""
     data = part.charts.get("column")
     if not data:
         return Missing("buckling", _TITLE, _why_not(part))
@@ -62,7 +66,7 @@ def buckling_chart(part: PartResult, result: DesignResult) -> Chart | Missing:
 
 
 def column_curves(data: Mapping[str, Any]) -> dict[str, Curve]:
-    """Every limit by name: MPa as a function of the slenderness."""
+    """The limits by name: MPa as a function of the slenderness."""
     young, strength = float(data["youngs_modulus"]), float(data["yield"])
     transition = transition_slenderness(strength, young)
 
@@ -74,34 +78,11 @@ def column_curves(data: Mapping[str, Any]) -> dict[str, Curve]:
             return float("nan")
         return johnson_stress(slenderness, strength, young)
 
-    def crooked(eta: Curve, slenderness: float) -> float:
-        return perry_robertson(euler(slenderness), strength, eta(slenderness))
-
-    def eurocode(curve: str, slenderness: float) -> float:
-        return eurocode_stress(euler(slenderness), strength, curve)
-
     curves: dict[str, Curve] = {"yield": lambda _: strength, "Johnson": johnson, "Euler": euler}
-    curves |= {name: partial(crooked, eta) for name, eta in _etas(data).items()}
-    curves |= {f"Eurocode 3 {name}": partial(eurocode, name) for name in IMPERFECTION}
+    if data["curve"]:
+        stated = str(data["curve"])
+        curves[f"Eurocode 3 {stated}"] = lambda x: eurocode_stress(euler(x), strength, stated)
     return curves
-
-
-def _etas(data: Mapping[str, Any]) -> dict[str, Curve]:
-    """Perry and Robertson's eta: one curve, or one for each plane where crookedness is stated."""
-
-    def robertson(slenderness: float) -> float:
-        return ROBERTSON * slenderness
-
-    def constant(eta: float, _: float) -> float:
-        return eta
-
-    stated = {p["plane"]: p["eta"] for p in data["planes"]}
-    if all(eta is None for eta in stated.values()):
-        return {"Perry-Robertson": robertson}
-    return {
-        f"Perry-Robertson {plane}": robertson if eta is None else partial(constant, float(eta))
-        for plane, eta in stated.items()
-    }
 
 
 def _plane(figure: Drawing, data: Mapping[str, Any]) -> Plane:
@@ -118,7 +99,6 @@ def _curves(plane: Plane, data: Mapping[str, Any]) -> None:
     transition = transition_slenderness(strength, float(data["youngs_modulus"]))
     across = np.linspace(1e-3 * plane.frame.across[1], plane.frame.across[1], _N)
     across = np.unique(np.append(across, transition))
-    judged = "Eurocode 3 " + str(data["curve"]) if data["curve"] else ""
     styles: dict[str, dict[str, Any]] = {
         "yield": {"color": SERIES[6], "linestyle": (0, (7, 2, 1.5, 2)), "linewidth": 1.5},
         "Johnson": {"color": SERIES[2], "linewidth": 1.9},
@@ -130,15 +110,7 @@ def _curves(plane: Plane, data: Mapping[str, Any]) -> None:
         points = np.array([[x, curve(float(x))] for x in places])
         points = points[points[:, 1] <= top]
         points = points[thinned(points[:, 1], 5e-4 * top, points[:, 0])]
-        if name.startswith("Eurocode"):
-            style: dict[str, Any] = {
-                "color": SERIES[3],
-                "linewidth": 2.0 if name == judged else 0.9,
-            }
-        elif name.startswith("Perry"):
-            style = {"color": SERIES[5], "linewidth": 1.4, "linestyle": (0, (3, 1.5))}
-        else:
-            style = styles[name]
+        style = styles.get(name, {"color": SERIES[3], "linewidth": 2.0})
         if name == "Euler":
             hidden = points[points[:, 0] <= transition]
             plane.line(hidden, color=SERIES[0], linewidth=1.1, linestyle=(0, (1.5, 1.5)))
@@ -146,26 +118,11 @@ def _curves(plane: Plane, data: Mapping[str, Any]) -> None:
         named.append((name, plane.line(points, **style), style["color"]))
     plane.line([[transition, 0], [transition, strength / 2]], color=colour("faint"), linewidth=1.2)
     for name, points, tint in named:
-        if name.startswith("Eurocode 3"):
-            continue
         plane.name(name, points, tint, prefer=_PREFER.get(name, 0.45), weight="bold")
-    _eurocode_names(plane, [n for n in named if n[0].startswith("Eurocode 3")])
     plane.name(f"λ = {number(transition)}", [[transition, 0], [transition, strength / 8]], ink())
 
 
 _PREFER = {"yield": 0.9, "Johnson": 0.75, "Euler": 0.25}
-
-
-def _eurocode_names(plane: Plane, curves: list[tuple[str, FloatArray, str]]) -> None:
-    """Letters on their curves, and what they are beside the lowest."""
-    if not curves:
-        return
-    for k, (name, points, tint) in enumerate(curves):
-        at = points[int(len(points) * (0.30 + 0.035 * k))]
-        plane.write(name.split()[-1], plane.at([at])[0], size=8, color=tint, weight="bold")
-        plane.avoid([at], 6.0)
-    name, points, tint = curves[-1]
-    plane.name("Eurocode 3, curves a0 to d", points, tint, prefer=0.2, weight="bold")
 
 
 def _point(plane: Plane, one: Mapping[str, Any], data: Mapping[str, Any], index: int) -> None:
@@ -231,8 +188,6 @@ def _caption(data: Mapping[str, Any]) -> str:
         )
     if any(one["stiffest"] < one["slenderness"] for one in data["planes"]):
         told.append("Bar: from ends that are hinged to ends that are as stiff as their forks.")
-    if all(one["eta"] is None for one in data["planes"]):
-        told.append(f"Perry-Robertson with {ROBERTSON:g} times the slenderness as crookedness.")
     told.append("The crooked bar with its bending has a check of its own.")
     return " ".join(told)
 

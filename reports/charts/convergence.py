@@ -6,8 +6,7 @@ from typing import Any
 
 from checks.result.verdict import Check, PartResult
 from checks.result.words import brief, number
-from reports.charts.chart import Chart, Missing
-from reports.charts.numbers import decimals_of, fixed
+from reports.charts.chart import Chart, Missing, decimals_of, fixed
 from reports.charts.plane import Plane, drawing, ink
 from reports.svg import SERIES, Drawing, colour
 

@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from checks.result.words import brief, place_text
-from reports.charts.chart import IntArray, thinned
-from reports.charts.numbers import FloatArray, numbers
+from reports.charts.chart import FloatArray, IntArray, numbers, thinned
 from reports.svg import round_steps
 
 _LEAST = 0.08  # of the width, that a phase has at least

@@ -8,9 +8,19 @@ import numpy as np
 
 from checks.result.verdict import Check, DesignResult, PartResult
 from checks.result.words import brief, need_text, number, quantity_unit
-from reports.charts.chart import Chart, Charts, Missing, gathered, plain
+from reports.charts.chart import (
+    Chart,
+    Charts,
+    FloatArray,
+    Missing,
+    gathered,
+    largest,
+    numbers,
+    plain,
+    power_unit,
+    work_text,
+)
 from reports.charts.cycle_axis import CycleAxis, cycle_axis
-from reports.charts.numbers import FloatArray, largest, numbers, power_unit, work_text
 from reports.charts.over_cycle import Bar, Curve, Limit, Panel, cycle_table, over_cycle
 
 _TITLES = {

@@ -9,8 +9,16 @@ import numpy as np
 from checks.result.verdict import Check, DesignResult, PartResult
 from checks.result.words import brief, need_text, number, safety_text
 from fatigue import goodman_utilisation
-from reports.charts.chart import Chart, Missing, Series, thinned
-from reports.charts.numbers import FloatArray, decimals_of, fixed, numbers
+from reports.charts.chart import (
+    Chart,
+    FloatArray,
+    Missing,
+    Series,
+    decimals_of,
+    fixed,
+    numbers,
+    thinned,
+)
 from reports.charts.over_cycle import cursor_text
 from reports.charts.plane import Plane, drawing, ink, upper
 from reports.svg import SERIES, Drawing

@@ -5,8 +5,7 @@ from math import inf, isfinite
 
 from checks.result.verdict import Check, PartResult, RungTried
 from checks.result.words import brief, check_titles, number, value_and_whole_bar
-from reports.charts.chart import Chart, Missing
-from reports.charts.numbers import decimals_of, fixed
+from reports.charts.chart import Chart, Missing, decimals_of, fixed
 from reports.charts.plane import Plane, drawing, ink
 from reports.svg import SERIES, Drawing, colour
 

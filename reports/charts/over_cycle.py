@@ -8,10 +8,20 @@ from typing import Any
 import numpy as np
 
 from checks.result.words import brief
-from reports.charts.chart import SIZE, Series, gapless, stroke, swatch, thinned
+from reports.charts.chart import (
+    SIZE,
+    FloatArray,
+    Series,
+    decimals_of,
+    fixed,
+    gapless,
+    stroke,
+    swatch,
+    table_rows,
+    thinned,
+)
 from reports.charts.cycle_axis import CycleAxis
-from reports.charts.labels import Room, cut, dense
-from reports.charts.numbers import FloatArray, decimals_of, fixed, table_rows
+from reports.charts.plane import Room, cut, dense
 from reports.svg import INK, Drawing, Frame, colour, draw
 
 _LEFT, _RIGHT, _TOP, _BOTTOM, _PANEL, _BETWEEN = 44.0, 12.0, 18.0, 44.0, 122.0, 26.0  # points

@@ -15,7 +15,7 @@ from checks.result.motion import motion_gaps
 from checks.result.verdict import DesignResult, PartResult
 from checks.result.words import brief, clean, number, place_text
 from reports.live.payload import LivePayload, live_payload, motion_text
-from reports.places import deciding_place, shown_of
+from reports.page_words import deciding_place, shown_of
 from reports.templating import environment, json_markup
 
 ROWS = 8  # positions of a cycle, evenly spread; the worst one is added

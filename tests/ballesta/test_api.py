@@ -12,9 +12,9 @@ import pytest
 
 import ballesta
 import ballesta.api
+from ballesta.api import answer_html
 from checks.design.effort import Effort
 from reports.answer_facts import answer_of
-from reports.notebook import answer_html
 
 ROOT = Path(__file__).parents[2]
 YOKE = ROOT / "designs" / "gallery" / "yoke_actuator.toml"

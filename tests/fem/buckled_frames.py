@@ -8,7 +8,7 @@ with N = int s_xx, M_y = int z s_xx, M_z = -int y s_xx, V = int s_xy and so on
 
     W = 1/2 N (v'^2 + w'^2 + r^2 t'^2) - M_z t' w' - M_y t' v' + V_y w' t - V_z v' t
 
-per length: the first term is the column's (fem/frame_buckling.py), the others give lateral buckling
+per length: the first term is the column's (fem/frame.py), the others give lateral buckling
 of a beam that is bent (-(M_z t)' w' after V_y = -M_z'; Timoshenko and Gere, Theory of Elastic
 Stability, 2nd ed., 6.1; Yang and Kuo, Theory and Analysis of Nonlinear Framed Structures, 1994,
 chapter 6).
@@ -30,8 +30,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.frame import POINTS, WEIGHTS, Frame
-from fem.frame_buckling import (
+from fem.frame import (
+    POINTS,
+    WEIGHTS,
+    Frame,
     FrameModes,
     buckling_modes,
     integration_matrix,

@@ -10,8 +10,8 @@ from functools import cache
 import numpy as np
 
 from fem.notch_intensity import modes
-from geometry.body import Body, Region
 from geometry.mesh import Interface
+from geometry.shape import Body, Region
 
 from ..validation.plane.domains import Fine, Outline, Piece, meshed
 from ..validation.plane.model import PlaneModel

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.frame import Frame, gauss_points
-from fem.frame_buckling import (
+from fem.frame import (
+    Frame,
     LooseFrameError,
     buckling_modes,
+    gauss_points,
     integration_matrix,
     whitening,
 )

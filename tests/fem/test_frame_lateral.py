@@ -5,8 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from checks.models.shapes.prismatic_tube import pressed_edge_stress
-from fem.frame import POINTS, Frame
-from fem.frame_buckling import buckling_modes
+from fem.frame import POINTS, Frame, buckling_modes
 from fem.frame_joints import chain
 from fem.unit_solutions import Elastic
 from geometry.bars import rectangle

@@ -11,11 +11,11 @@ import fem.lowest_modes
 from fem.assembly import full, geometric_stiffness
 from fem.buckling import part_buckling
 from fem.end_conditions import link_solid
+from fem.lowest_modes import mass
 from fem.mode_count import LowRank, count_below, shifted
 from fem.recovery import tensor
 from fem.solvers import SolverError
 from fem.unit_solutions import Elastic, solve_unit_loads
-from fem.vibration import mass
 
 from .blocks import block, wrench
 

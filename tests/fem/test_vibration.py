@@ -12,8 +12,8 @@ from bench.fixed_solid import fixed_solid, free_vibration
 from bench.scikit_fem import to_scikit_fem
 from fem.assembly import Pattern, full
 from fem.elements import Elements
+from fem.lowest_modes import link_vibration, mass, solid_vibration
 from fem.unit_solutions import Elastic, rigid_modes, solve_unit_loads
-from fem.vibration import link_vibration, mass, solid_vibration
 from geometry.mesh import MeshError
 from geometry.meshing import mesh_shape
 

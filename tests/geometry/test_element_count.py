@@ -11,11 +11,11 @@ from checks.stress.kept_models import Models
 from fem.elements import Elements
 from fem.unit_loads import interface_loads
 from geometry.cad_body import cad_skin
-from geometry.element_count import SURE, skin_triangles, solid_elements, solid_unknowns
 from geometry.mesh import TooFineError, TooManyElementsError, TooManyUnknownsError
 from geometry.meshing import gmsh_session, mesh_shape
 from geometry.parts import LeafPack, Pin, PlateLink, TubeRod
 from geometry.parts.pin import Seat
+from geometry.sizing import SURE, skin_triangles, solid_elements, solid_unknowns
 
 from ..small_machine import PLATE, machine
 from .bars import PRESS_BAR

@@ -11,11 +11,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry import meshing
-from geometry.body import Body
 from geometry.curving import moved
 from geometry.mesh import Interface, Mesh, MeshError, boundary_facets
 from geometry.meshing import mesh_shape
 from geometry.parts import Pin, PlateLink, PrismaticTube, Seat, ToggleBar
+from geometry.shape import Body
 
 from .facets import area
 

@@ -59,7 +59,7 @@ def test_a_drawing_shows_the_near_edges_of_a_box_and_hides_the_far_ones(tool):
 
     class Bar:
         def build(self, gmsh):
-            from geometry.body import Body
+            from geometry.shape import Body
 
             gmsh.model.occ.addBox(0, 0, 0, 20, 6, 4)
             gmsh.model.occ.synchronize()

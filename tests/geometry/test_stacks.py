@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry.body import Body, faces_where
 from geometry.mesh import Mesh, MeshError, boundary_facets
 from geometry.meshing import mesh_shape, split_bodies, ties_of
+from geometry.shape import Body, faces_where
 
 from .facets import area
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry.body import Body
 from geometry.mesh import SYMMETRY, MeshError
 from geometry.meshing import gmsh_session, mesh_shape
 from geometry.parts import (
@@ -20,6 +19,7 @@ from geometry.parts import (
     ToggleBar,
     TubeRod,
 )
+from geometry.shape import Body
 from geometry.sizing import SizeField, element_sizes
 from geometry.symmetry import Half, has_middle_plane
 

@@ -12,8 +12,7 @@ import pytest
 
 from ballesta.design.read import read_design
 from ballesta.regression.compare import compare
-from ballesta.regression.file import baseline_path, read_baseline
-from ballesta.regression.record import record_of
+from ballesta.regression.file import baseline_path, read_baseline, record_of
 from checks.store.fingerprints import stages_of
 
 DESIGN = Path(__file__).parents[2] / "designs" / "toggle_press.toml"

@@ -50,8 +50,8 @@ def sn(**changes):
 
 def column(**changes):
     plane = {"plane": "in plane", "section": "tube", "area": 1000.0, "slenderness": 40.0,
-             "stiffest": 40.0, "length": 500.0, "stress": 60.0, "limit": 330.0, "law": "Johnson",
-             "eta": None}  # fmt: skip
+             "stiffest": 40.0, "length": 500.0, "stress": 60.0, "limit": 330.0,
+             "law": "Johnson"}  # fmt: skip
     return {
         "youngs_modulus": 210e3, "yield": 355.0, "required": 3.0, "curve": None,
         "cycle": "press", "position": "x = 2 mm",

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 from reports.charts.chart import Chart, gapless, swatch, thinned
 from reports.charts.cycle_axis import cycle_axis
-from reports.charts.labels import Room, dense
+from reports.charts.plane import Room, dense
 from reports.svg import draw, round_ticks
 
 

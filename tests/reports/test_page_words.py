@@ -10,12 +10,13 @@ from reports import report_html
 from reports.gauge import gauge
 from reports.live.section import live_section
 from reports.page_words import (
+    deciding_place,
     mirrored,
     page_bars,
+    place_of,
     reach_words,
     rungs_beside,
 )
-from reports.places import deciding_place, place_of
 
 from . import motion_results, results
 from .test_page import Page

@@ -13,14 +13,13 @@ from numpy.testing import assert_allclose
 from PIL import Image
 
 from checks.result.live_fields import LiveFields, LivePeak, grey
-from reports.window import open_window, probe_window, window_picture
+from reports.window import NO_WINDOW, SIZE, open_window, probe_window, window_picture
 from reports.window_scene import View, Worst, read_scene, scene_of, signed_principal, write_scene
-from reports.window_worker import NO_WINDOW, SIZE
 from reports.worker import run_worker
 
 from . import motion_results, results
 
-STRICT = (sys.executable, "-W", "error", "-m", "reports.window_worker")
+STRICT = (sys.executable, "-W", "error", "-m", "reports.window")
 
 
 def worker(code):
@@ -289,7 +288,7 @@ DRIVE = """
 import sys
 from pathlib import Path
 from reports.window_scene import read_scene
-from reports.window_worker import Window
+from reports.window import Window
 window = Window(read_scene(Path(sys.argv[1])), None, False)
 steps = ["2", "n", "c", "p", "q"]
 seen, ticks = [], [0]

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from ballesta.regression.record import record_of
+from ballesta.regression.file import record_of
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("unshared")]
 

@@ -126,7 +126,7 @@ def test_a_worker_ends_with_its_parent_by_the_end_of_its_input(tmp_path):
     """Without the death signal of Linux; and with what it has started itself."""
     code = """
 import os, subprocess, sys
-from ballesta.batches.worker import _Lines
+from ballesta.batches.processes import _Lines
 child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
 print(child.pid, flush=True)
 for line in _Lines():

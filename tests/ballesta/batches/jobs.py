@@ -10,8 +10,7 @@ from ballesta.batches import run as batch_run
 from ballesta.batches.outcome import Job
 from ballesta.batches.plan import Plan
 from ballesta.batches.pool import Finished, Limits, Pool
-from ballesta.batches.processes import MIB, Admission
-from ballesta.batches.worker import answer
+from ballesta.batches.processes import MIB, Admission, answer
 
 # Written beside the tests' own files, because a worker imports it by name.
 MODULE = '''

@@ -17,8 +17,16 @@ import pytest
 
 from ballesta.batches import cluster as cluster_module
 from ballesta.batches.cluster import scheduler_of
-from ballesta.batches.cluster_reply import Reply, Unread, from_text, nothing_unpickled, to_text
-from ballesta.batches.cluster_worker import Site, refusal, versions
+from ballesta.batches.cluster_worker import (
+    Reply,
+    Site,
+    Unread,
+    from_text,
+    nothing_unpickled,
+    refusal,
+    to_text,
+    versions,
+)
 from ballesta.batches.plan import Request, planned
 from ballesta.batches.pool import Finished, PoolError
 from ballesta.batches.run import Settings, run_batch

@@ -45,7 +45,7 @@ def test_workers_have_one_thread_each(tmp_path, monkeypatch):
 
 
 def test_a_worker_is_ready_before_it_has_loaded_what_only_a_check_needs():
-    code = "import sys, ballesta.batches.worker; print({'scipy', 'numpy'} & set(sys.modules))"
+    code = "import sys, ballesta.batches.processes; print({'scipy', 'numpy'} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "set()"
 

@@ -13,7 +13,7 @@ from checks.design.effort import Effort
 from checks.ladder.part_fields import moved_with, with_mode
 from checks.result.live_fields import grey
 from reports.live.section import live_section
-from reports.places import shown_of
+from reports.page_words import shown_of
 
 DESIGNS = Path(__file__).parents[3] / "designs"
 

@@ -1,7 +1,6 @@
 """Records and baselines made by hand."""
 
-from ballesta.regression.file import Baseline
-from ballesta.regression.record import MASS
+from ballesta.regression.file import MASS, Baseline
 
 STATIC, SHARE = "static: peak von Mises stress", "buckling: elastic load share"
 STAGES = {

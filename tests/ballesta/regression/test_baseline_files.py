@@ -6,14 +6,16 @@ import pytest
 
 from ballesta.regression.compare import compare
 from ballesta.regression.file import (
+    ELASTIC_SHARE,
     BaselineError,
     baseline_path,
     baseline_text,
     design_path,
     read_baseline,
+    record_of,
+    rungs_of,
     write_record,
 )
-from ballesta.regression.record import ELASTIC_SHARE, record_of, rungs_of
 from checks.columns import stability
 
 from .records import STATIC, record

@@ -6,7 +6,7 @@ import pytest
 
 from ballesta.regression import bands
 from ballesta.regression.compare import compare
-from ballesta.regression.record import MASS
+from ballesta.regression.file import MASS
 
 from .records import SHARE, STAGES, STATIC, baseline, check, record
 

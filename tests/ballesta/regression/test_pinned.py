@@ -3,7 +3,7 @@
 import pytest
 
 from ballesta.pipeline import check_design
-from ballesta.regression.record import rungs_of
+from ballesta.regression.file import rungs_of
 from ballesta.regression.worker import measured
 from checks.design.effort import Effort
 from checks.design.errors import DesignError, NumericsError

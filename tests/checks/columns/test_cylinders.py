@@ -18,7 +18,7 @@ from ballesta.cli import main
 from ballesta.design.read import read_design
 from checks.columns.cylinders import KINDS
 from checks.columns.cylinders import cylinder_checks as cylinder_checks_of
-from checks.handbook.stepped_column import buckling_force, largest_moments
+from checks.handbook.column_curves import buckling_force, largest_moments
 
 EI = (2.1e5 * pi / 64 * (72**4 - 60**4), 2.1e5 * pi / 64 * 30**4)
 LENGTHS = (850.0, 450.0)

@@ -15,7 +15,7 @@ from checks.by_formula import column, crooked_column
 from checks.columns.column_limits import cases_of, planes_of, whole_force
 from checks.columns.stability import _proof
 from checks.design.errors import DesignError
-from checks.handbook.column_curves import eurocode_stress, perry_robertson
+from checks.handbook.column_curves import eurocode_stress
 from checks.handbook.tapered_columns import CLAMPED, ColumnEnd, ColumnShape, critical_force
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
@@ -89,7 +89,6 @@ def test_the_13_mm_tube_fails_by_johnson_and_stands_even_above_eulers_stress():
     assert within.position == "x = 2 mm"
     assert within.basis.startswith("Johnson; slenderness 53.2 over 250 mm; Euler 732.4 MPa")
     assert within.value > 732.4
-    assert "yield 0.421, Johnson 0.37, Euler 0.868" in within.note
     crooked = check_of(checks, "crooked bar in plane")
     assert "no state of rest under the load itself" in crooked.note
     assert crooked.status is Status.FAIL
@@ -125,9 +124,6 @@ def test_the_bar_as_built_has_10_7_in_the_tube_and_5_8_in_the_cheeks():
     assert check.place == "cheeks"
     assert_allclose(check.safety, 5.80, atol=0.01)
     assert "tube: 10.72 (Johnson, slenderness 8.3)" in check.note
-    facts = column.facts(LoadedPart(design, part, loads))
-    assert facts["column in plane, tube: safety"].startswith("yield 10.8, Johnson 10.7, Euler 913")
-    assert facts["column in plane, cheeks, by itself: effective length [mm]"] == 16.0
 
 
 def test_the_hammers_rod_is_found_at_the_worst_of_all_positions_of_all_cycles():
@@ -146,54 +142,32 @@ def test_the_hammers_rod_is_found_at_the_worst_of_all_positions_of_all_cycles():
     assert bar.status is Status.FAIL
 
 
-# limits side by side ------------------------------------------------------------------------------
+# limits -------------------------------------------------------------------------------------------
 
 
-def test_every_limit_stands_beside_the_one_that_decides(tmp_path):
+def test_johnson_decides_below_the_transition(tmp_path):
     """Plate of 8 mm, 161 mm: slenderness 69.7 out of the plane."""
     design, part = rod(tmp_path)
-    stress, material = 1e4 / 240, part.material
-    euler = pi**2 * material.youngs_modulus * 64 / 12 / LENGTH**2
+    material, slenderness = part.material, LENGTH / sqrt(64 / 12)
     check = check_of(column_checks(LoadedPart(design, part, pushed(1e4))), "column out of plane")
-    (case,) = cases_of(part, planes_of(design, part)[1])
-    safeties = case.safeties(stress, material.yield_stress)
-    assert_allclose(safeties["yield"], material.yield_stress / stress)
-    assert_allclose(safeties["Euler"], euler / stress, rtol=1e-9)
-    assert_allclose(check.safety, safeties["Johnson"], rtol=1e-12)
-    assert_allclose(
-        safeties["Perry-Robertson"] * stress,
-        perry_robertson(euler, material.yield_stress, 0.003 * LENGTH / sqrt(64 / 12)),
-        rtol=1e-9,
+    johnson = material.yield_stress * (
+        1 - material.yield_stress * slenderness**2 / (4 * pi**2 * material.youngs_modulus)
     )
-    for curve in ("a0", "a", "b", "c", "d"):
-        expected = eurocode_stress(euler, material.yield_stress, curve) / stress
-        assert_allclose(safeties[f"Eurocode 3 {curve}"], expected, rtol=1e-9)
-    for name in ("yield", "Johnson", "Euler", "Perry-Robertson", "Eurocode 3 c"):
-        assert f"{name} {safeties[name]:.3g}" in check.note
+    assert_allclose(check.limit, johnson, rtol=1e-9)
+    assert check.basis.startswith("Johnson; slenderness 69.7")
     facts = column.facts(LoadedPart(design, part, pushed(1e4)))
     assert facts["largest compression [N]"] == 1e4
-    assert (
-        f"Eurocode 3 a0 {safeties['Eurocode 3 a0']:.3g}"
-        in (facts["column out of plane, plate: safety"])
-    )
 
 
 def test_a_stated_curve_decides_under_the_same_required_safety(tmp_path):
     design, part = rod(tmp_path, 'parts.rod.column.curve="b"')
     check = check_of(column_checks(LoadedPart(design, part, pushed(1e4))), "column out of plane")
     (case,) = cases_of(part, planes_of(design, part)[1])
-    assert check.limit == pytest.approx(case.curves["b"], rel=1e-12)
+    euler, material = case.strength.euler, part.material
+    assert check.limit == pytest.approx(eurocode_stress(euler, material.yield_stress, "b"))
     assert check.limit < case.strength.critical
     assert check.basis.startswith("Eurocode 3 curve b; slenderness 69.7")
     assert check.required == design.require.buckling
-
-
-def test_a_stated_crookedness_is_perry_and_robertsons_imperfection(tmp_path):
-    """eta = e A/W = 6 e/t = 0.75 with e = 1 mm and t = 8 mm."""
-    design, part = rod(tmp_path, 'parts.rod.column.crookedness="1 mm"')
-    (case,) = cases_of(part, planes_of(design, part)[1])
-    expected = perry_robertson(case.strength.euler, part.material.yield_stress, 0.75)
-    assert_allclose(case.perry, expected, rtol=1e-12)
 
 
 # forks and effective lengths ----------------------------------------------------------------------
@@ -317,7 +291,7 @@ def test_safety_times_load_does_not_depend_on_the_size_of_the_load(tmp_path, sca
 
 
 @pytest.mark.parametrize("slenderness", [5, 20, 60, 120, 250, 500])
-def test_any_slenderness_has_all_its_limits_in_order(tmp_path, slenderness):
+def test_any_slenderness_has_its_limits_in_order(tmp_path, slenderness):
     length = slenderness * 8 / sqrt(12)
     design, part = rod(tmp_path, f'parts.rod.column.out_of_plane="{length} mm"')
     checks = column_checks(LoadedPart(design, part, pushed(1e3)))
@@ -325,8 +299,6 @@ def test_any_slenderness_has_all_its_limits_in_order(tmp_path, slenderness):
     assert f"slenderness {slenderness:.1f} over" in check.basis
     case = cases_of(part, planes_of(design, part)[1])[0]
     least = min(part.material.yield_stress, case.strength.euler)
-    assert 0 < case.curves["d"] <= case.curves["a0"] <= least
-    assert 0 < case.perry < least
     assert case.strength.critical <= least
     crooked = check_of(checks, "crooked bar out of plane")
     assert 0 < crooked.safety < least * 240 / 1e3

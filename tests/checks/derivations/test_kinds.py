@@ -125,29 +125,20 @@ def test_the_unit_loads_of_a_solid_are_named_by_interface_and_pattern(solids):
     assert all(load.unit for load in derivation.items[0].loads)
 
 
-def test_a_column_shows_all_its_limits():
+def test_a_column_shows_its_limits():
     derivation = found(result_of(PLATE), "buckling", "column in plane").derivation
     steps = {item.symbol for item in derivation.items if isinstance(item, Step)}
-    assert {"sigma_E", "S", "S_P", "S_c"} <= steps
-    limits = [derivation.number(symbol) for symbol in ("sigma_E", "S", "S_P", "S_c")]
-    assert min(limits) > 0
+    assert {"sigma_E", "S"} <= steps
+    assert min(derivation.number(symbol) for symbol in ("sigma_E", "S")) > 0
 
 
-def test_perry_and_robertson_s_limit_beside_the_others_is_that_of_the_chart():
-    """By the stated crookedness, and by the slenderness of a part that states none."""
-    stated = COLUMN.replace("COLUMN", 'crookedness = "1 mm"')
-    for text in (PLATE, stated):
-        result = result_of(text)
-        curves = column_curves(result.parts[0].charts["column"])
-        for plane in result.parts[0].charts["column"]["planes"]:
-            own = found(result, "buckling", f"column {plane['plane']}").derivation
-            name = "Perry-Robertson" + (f" {plane['plane']}" if text is stated else "")
-            assert own.number("S_P") == pytest.approx(curves[name](plane["slenderness"]), rel=1e-9)
-            if text is stated:
-                assert own.number("eta_P") == pytest.approx(plane["eta"], rel=1e-9)
-            assert own.number("S_c") == pytest.approx(
-                curves["Eurocode 3 c"](plane["slenderness"]), rel=1e-9
-            )
+def test_a_stated_curve_s_limit_is_that_of_the_chart():
+    result = result_of(COLUMN.replace("COLUMN", 'curve = "c"'))
+    data = result.parts[0].charts["column"]
+    curve = column_curves(data)["Eurocode 3 c"]
+    for plane in data["planes"]:
+        own = found(result, "buckling", f"column {plane['plane']}").derivation
+        assert own.number("S") == pytest.approx(curve(plane["slenderness"]), rel=1e-9)
 
 
 def test_a_bar_of_the_linkage_stands_beside_euler_s_force_of_its_own_length():

@@ -6,9 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from geometry.body import Body, Region, faces_where
 from geometry.mesh import TET_EDGES, Mesh, boundary_facets
 from geometry.meshing import mesh_shape
+from geometry.shape import Body, Region, faces_where
 
 from ...fem.blocks import block
 

@@ -21,8 +21,7 @@ from scipy.optimize import brentq
 from bench.fixed_solid import fixed_solid
 from fem.buckling import solid_buckling
 from fem.deck import write_deck
-from fem.frame import Frame
-from fem.frame_buckling import buckling_modes
+from fem.frame import Frame, buckling_modes
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.bars import Sections
 from geometry.meshing import mesh_shape
