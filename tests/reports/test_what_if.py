@@ -16,7 +16,8 @@ from ballesta.design.read import read_design
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.ladder.chart_data import _beside
-from checks.result.words import check_titles
+from checks.result.verdict import Gate
+from checks.result.words import CONTACT, check_titles
 from reports import report_html, write_report
 from reports.what_if import _CLEARANCES, what_if
 from tests.small_machine import PLATE, machine
@@ -90,6 +91,23 @@ def test_a_slider_tells_what_a_fresh_check_of_its_command_finds(page, press):
         name, status, safety = re.match(r"(.+): \w+ → (\w+), safety ([\d.]+)", item).groups()
         assert status == str(by_name[name].status)
         assert float(safety) == pytest.approx(by_name[name].safety, rel=2e-3)
+
+
+def test_a_pass_is_not_told_while_a_check_is_not_followed(opened, tmp_path, press):
+    """Contact decides both checks of a part, but what pins do under other loads was not solved."""
+    pressed = replace(press.parts[0], gates=[Gate(f"bar_upper{CONTACT}", 0.0, 1.0, "")])
+    by_solid = [replace(check, method="solid") for check in pressed.checks
+                if check.kind in ("static", "fatigue")]  # fmt: skip
+    write_report(
+        replace(press, parts=[replace(pressed, checks=by_solid)], linkage=[], gates=[]),
+        None,
+        tmp_path / "report.html",
+    )
+    found = opened(tmp_path / "report.html")
+    slide(found.page, "load factor", "0.5")
+    told = " ".join(found.page.evaluate(STATE)["told"].split())
+    assert told == "UNDECIDED 2 checks are not followed"
+    found.assert_quiet()
 
 
 def table(result, of):
