@@ -208,7 +208,7 @@ def _of_pins(result, part, kind, title):
 
 @cache
 def _checked_by_solids(file, sets=(), effort="solid"):
-    return check_design(read_design(file, sets), effort=Effort(effort), live=True)
+    return check_design(read_design(file, sets), effort=Effort(effort), live=not sets)
 
 
 def _result_of(name):
