@@ -390,7 +390,7 @@ def _of_clearances(
     known = {low + share * (high - low): value for share, value in over.values.items()}
     asked = {low / _MOST_LOAD, high / _LEAST_LOAD} if loads else set()
     while asked := asked - set(known):
-        for one in asked:
+        for one in sorted(asked):
             share = (one - low) / (high - low) if low < one < high else float(one >= high)
             factor = 1.0 if low <= one <= high else (high if share else low) / one
             known[one] = values_at(what, level, [share], factor=factor)[share]

@@ -32,16 +32,20 @@
 
     const show = () => {
       const all = checks.map(judged), known = all.filter((each) => each.status !== "not followed");
-      const worst = known.reduce((a, b) =>
-        (grave.indexOf(b.status) - grave.indexOf(a.status) || a.top - b.top) < 0 ? b : a);
-      const verdict = worst.status === "pass" && doubted ? "UNDECIDED" : worst.status;
+      const [worst] = known.sort((a, b) =>
+        grave.indexOf(a.status) - grave.indexOf(b.status) || b.top - a.top);
+      const left = all.length - known.length; // what is not followed may fail
+      const verdict = worst && (worst.status !== "pass" || !(doubted || left)) ? worst.status : "UNDECIDED";
       const changed = places.some((_, k) => moved(k));
       const [badge, text] = told.children;
       told.className = `what-if-told ${verdict}`;
       badge.textContent = verdict.toUpperCase();
-      text.textContent = `${changed ? "Estimate" : "As checked"}: ${worst.check.name}, safety ` +
-        `${down(worst.safety)} (${worst.required} required)` +
-        (verdict === worst.status ? "" : "; a validity check of the loads does not hold");
+      text.textContent = [
+        worst ? `${changed ? "Estimate" : "As checked"}: ${worst.check.name}, safety ` +
+          `${down(worst.safety)} (${worst.required} required)` : "",
+        left ? `${left} ${left > 1 ? "checks are" : "check is"} not followed` : "",
+        worst?.status === "pass" && doubted ? "a validity check of the loads does not hold" : "",
+      ].filter(Boolean).join("; ");
       list.replaceChildren(...all.filter((each) => each.status !== each.check.status).map((each) => {
         const item = document.createElement("li");
         item.textContent = `${each.check.name}: ${each.check.status} → ${each.status}` +

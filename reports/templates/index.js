@@ -26,6 +26,7 @@
   const text = (value, decimals) =>
     Math.abs(value) >= 1e-4 && Math.abs(value) < 1e6
       ? value.toFixed(Math.max(0, Math.min(decimals, 12))) : String(value);
+  const short = (value) => (typeof value === "number" ? String(Number(value.toPrecision(6))) : value);
   const bar = (value) => (value === null ? "∞" : rounded(value, 2, 1));
 
   // A row is a check, or a design that has none: [design, check or -1].
@@ -97,10 +98,7 @@
     number("safety (required)", safety, (c) =>
       (checks.value[c] ? rounded(safety(c), 3, -1) : "not loaded") + ` (${checks.required[c]})`),
     ...data.columns.map((k) => varied[k]).map((input) =>
-      column(input.name, (d) => input.values[d], (d) => {
-        const value = input.values[d];
-        return typeof value === "number" ? String(Number(value.toPrecision(6))) : value ?? "";
-      }, true)),
+      column(input.name, (d) => input.values[d], (d) => short(input.values[d]) ?? "", true)),
     column("its verdict", (d, c) => (c < 0 ? null : rank.get(word("status", c))), (d, c) => {
       const cell = make("td");
       cell.append(make("span", word("status", c), `word ${word("status", c)}`));
@@ -249,7 +247,7 @@
     byId("beside").querySelector("tbody").replaceChildren(
       line("design", (k) => designs[k].name), line("verdict", (k) => designs[k].status),
       line("mass [kg]", (k) => rounded(designs[k].mass, 4) || "–"),
-      ...varied.map((input) => line(input.name, (k) => String(input.values[k] ?? "–"))),
+      ...varied.map((input) => line(input.name, (k) => short(input.values[k]) ?? "–")),
       ...[...own].filter(([, at]) => list.some((k) => at.has(k)))
         .map(([name, at]) => line(`${name}: safety`, (k) => ofCheck(at.get(k)))));
   };

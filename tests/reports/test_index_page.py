@@ -160,7 +160,7 @@ def test_axe_finds_nothing_on_a_batch(tmp_path, opened, axe):
 def test_two_to_four_designs_stand_side_by_side_bold_where_they_differ(tmp_path, opened):
     many = [design(name, check(100.0 + k)) for k, name in enumerate("abcde")]
     path = tmp_path / "index.html"
-    path.write_text(index_html("batch", many, {"wall [mm]": [1.0] * 5}), encoding="utf-8")
+    path.write_text(index_html("batch", many, {"wall [mm]": [25 / 3] * 5}), encoding="utf-8")
     found = opened(path)
     page = found.page
     page.get_by_label("Compare a").check()
@@ -175,7 +175,7 @@ def test_two_to_four_designs_stand_side_by_side_bold_where_they_differ(tmp_path,
         )
     }
     assert rows["design"] == list("bcde")
-    assert rows["wall [mm]"] == ["1"] * 4
+    assert rows["wall [mm]"] == ["8.33333"] * 4
     assert rows["bar_upper: static: safety"][0] == "3.51 (1.5) pass"
     bold = page.locator("#beside .differs th").all_text_contents()
     assert bold == ["design", "bar_upper: static: safety"]

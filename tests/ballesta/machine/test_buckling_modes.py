@@ -1,5 +1,6 @@
 """Buckling modes of the live view: of a bar's frame, and of all bodies of a linkage together."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from ballesta.design.read import read_design
-from ballesta.machine.buckling_modes import half_wave
+from ballesta.machine.buckling_modes import _of_part, half_wave
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.ladder.part_fields import moved_with, with_mode
@@ -42,6 +43,11 @@ def test_a_column_longer_than_the_part_has_the_mode_of_both_bars_whose_knee_move
         far = np.abs(nodes[:, 0] - knee.centre[0])
         assert_allclose(np.abs(mode[:, 2]), np.cos(np.pi * far / 500.0), atol=0.06)
         assert np.abs(mode[:, 1]).max() < 0.06
+        stretch = [one for one in part.checks if one.quantity == "elastic load share"]
+        alone = replace(part, checks=stretch, live=replace(part.live, mode=None))
+        told = _of_part(design, alone).live  # a stretch by itself: its formula has a load alone
+        assert told.mode is None
+        assert "buckling mode is not drawn" in told.notes[-1]
     assert shown_of(result.deciding, result)["mode"]
 
 
