@@ -283,13 +283,15 @@ class _Search:
                 (
                     m
                     for m in materials.values()
-                    if m.ductile and m.fkm_group == old.fkm_group and m.ultimate_stress >= least
+                    if m.ductile
+                    and m.fkm_group == old.fkm_group
+                    and m.ultimate_stress >= least
+                    # what is no lighter has the same stress
+                    and (m.yield_stress >= sure or m.density <= _SURE * old.density)
                 ),
                 key=lambda m: m.ultimate_stress,
             )
             for new in [m for m in others if m.name != value][:_TRIES]:
-                if new.yield_stress < sure and new.density > _SURE * old.density:
-                    continue  # no lighter, so its stress is the same
                 name = new.name
                 one = self.known.screening.of({key: name}, own, only_materials=True)
                 if not one.problem and self.known.reserve(one, own) >= 1:
