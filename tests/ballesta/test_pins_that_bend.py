@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from ballesta.design.read import read_design
 from ballesta.machine.runs import solved_runs
 from checks.by_formula import pin_bending
 from checks.derivations.bars import rung_bars, solid_bars
@@ -614,6 +615,21 @@ def test_cheeks_of_toggle_bars_turn_at_least_as_much_as_formulas_take(changed):
     shape = ToggleBar(**PRESS | changed)
     assert shape.cheeks_turn == 0.27
     assert least_turn(shape) > 1.1 * shape.cheeks_turn
+
+
+def test_formulas_press_the_bars_of_the_press_no_less_than_any_tilt_they_may_have():
+    """Held 1.55 times, with the mesh's own tilt, 7.7e-8, 1.22."""
+    design, runs = solved_runs(read_design("designs/toggle_press.toml"), Models(), lambda _: None)
+    loaded = LoadedPart.of(design, design.parts["bar_upper"], runs)
+    stack, position = loaded.stack("knee"), int(loaded.loads.resultant("knee").argmax())
+    lugs, own = stack.lugs(position, 0.0)
+    least, mesh = stack._least_tilt(lugs[own]), 7.7e-8
+    assert 0.3 * mesh < least < mesh
+    pressed = [pressed_along.most_pressed(stack.shares(position, tilt))[0]
+               for tilt in (0.0, *np.geomspace(least, 1e3 * least, 7), mesh)]  # fmt: skip
+    assert_allclose([pressed[0], pressed[-1]], [1.55, 1.22], atol=0.006)
+    assert loaded.uneven["knee"].most == pressed[1] == max(pressed[1:])
+    assert loaded.uneven["knee"].edge == "inner edge"
 
 
 def test_beyond_the_cheeks_that_were_compared_formulas_hold_them():
