@@ -92,12 +92,9 @@ class Stack:
         Von Mises of bending, shear and twist, as its own checks have it, or the mean pressure of a
         seat where that is more.
         """
-        shape, wrenches = self.shape, dict(self.loads.wrenches)
-        stress = pin_diagram(shape, wrenches, ends_only=True).equivalent_peaks.max()
-        for seat in shape.seats:
-            area = shape.neck(seat) * seat.width * len(seat.places)
-            stress = max(stress, self.loads.resultant(seat.name).max() / area)
-        return self.pin.material.yield_stress / float(stress) if stress else inf
+        wrenches = self.loads.wrenches.items()
+        stress = _even_peak(self.shape, tuple((name, one.tobytes()) for name, one in wrenches))
+        return self.pin.material.yield_stress / stress if stress else inf
 
     def yields_even(self, factor: float = 1.0) -> bool:
         """True if even pressure is known to be carried once edges yield: the lower bound theorem.
@@ -171,6 +168,20 @@ class Stack:
         held = tuple(replace(lug, tilt=0.0) for lug in alike)  # as a straight pin has them anyway
         bent, straight = _pressed(self.bar, alike, True), _pressed(self.bar, held, False)
         return shares_along(bent, own) - shares_along(straight, own)
+
+
+@lru_cache(maxsize=16)
+def _even_peak(shape: Pin, forces: tuple[tuple[str, bytes], ...]) -> float:
+    """Largest stress of a pin, MPa, under even pressure: once for all parts that it meets.
+
+    forces  seat and its wrenches (n, 6), as bytes
+    """
+    wrenches = {name: np.frombuffer(one).reshape(-1, 6) for name, one in forces}
+    stress = pin_diagram(shape, wrenches, ends_only=True).equivalent_peaks.max()
+    for seat in shape.seats:
+        area = shape.neck(seat) * seat.width * len(seat.places)
+        stress = max(stress, np.hypot(*wrenches[seat.name][:, :2].T).max() / area)
+    return float(stress)
 
 
 def _bent(lug: Lug) -> float:
