@@ -177,7 +177,7 @@ class Shape(ABC):
     def cheeks_turn(self) -> float:
         """Least turn of one of its two cheeks under a couple of the pressure in its bore, with it.
 
-        Times E t^3/12 over the couple; 0 where it is not known: then it may be held.
+        Times E over the couple, 1/mm3; 0 where it is not known: then it may be held.
         """
         return 0.0
 

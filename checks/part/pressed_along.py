@@ -151,7 +151,7 @@ class Stack:
     def _least_tilt(self, lug: Lug) -> float:
         """The least that a lug of the part may tilt, rad/(N mm)."""
         part = self.design.part_of(self.bore)
-        turn = part.geometry.cheeks_turn * _bent(lug) if part else 0.0
+        turn = part.geometry.cheeks_turn / lug.youngs_modulus if part else 0.0
         return max(turn - turn_in_bore(self.bar, lug), 0.0) if turn else 0.0
 
     def shares(self, position: int, tilt: float) -> FloatArray | None:
