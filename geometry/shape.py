@@ -232,6 +232,14 @@ class Shape(ABC):
         return None
 
     @property
+    def cheeks_turn(self) -> float:
+        """Least turn of one of its two cheeks under a couple of the pressure in its bore, with it.
+
+        Times E over the couple, 1/mm3; 0 where it is not known: then it may be held.
+        """
+        return 0.0
+
+    @property
     def told(self) -> Sequence[str]:
         """Notes on the reading of its file: sentences for the report."""
         return ()

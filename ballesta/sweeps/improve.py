@@ -44,6 +44,7 @@ _NEAR = 1.5  # times the least reserve: to pass it a step would need an exponent
 _MATTERS = 0.05  # the least exponent: what changes the reserve less is no way out
 MOST = 2.0  # the largest change that is looked at, as a factor
 _SECANTS = 3
+_HOPELESS = 2.0  # times the largest change, in logarithms, that the exponent asks for: not sought
 _AGAIN = 3  # times that a size is sought, each with the friction of leaves at the one before
 _NEXT = 1e-6  # of a dimension: to the next rounded value
 _BEST = 3
@@ -283,13 +284,15 @@ class _Search:
                 (
                     m
                     for m in materials.values()
-                    if m.ductile and m.fkm_group == old.fkm_group and m.ultimate_stress >= least
+                    if m.ductile
+                    and m.fkm_group == old.fkm_group
+                    and m.ultimate_stress >= least
+                    # what is no lighter has the same stress
+                    and (m.yield_stress >= sure or m.density <= _SURE * old.density)
                 ),
                 key=lambda m: m.ultimate_stress,
             )
             for new in [m for m in others if m.name != value][:_TRIES]:
-                if new.yield_stress < sure and new.density > _SURE * old.density:
-                    continue  # no lighter, so its stress is the same
                 name = new.name
                 one = self.known.screening.of({key: name}, own, only_materials=True)
                 if not one.problem and self.known.reserve(one, own) >= 1:
@@ -398,6 +401,8 @@ class _Search:
     ) -> tuple[float, Screened] | None:
         """The value of a dimension at which the parts just pass."""
         points = [(old, self.known.reserve(self.known.base, parts))]
+        if -log(points[0][1]) > _HOPELESS * log(MOST) * abs(exponent):
+            return None
         best: tuple[float, Screened] | None = None
         outward = exponent > 0
         p, unknown = exponent, 0.0  # value at which there is no such part, or no error bar

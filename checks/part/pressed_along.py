@@ -26,12 +26,12 @@ from fem.contact.beds import Lug, RoundBar
 from fem.contact.condensed import ContactError
 from fem.contact.cylinder_waves import Lining
 from fem.contact.line_load import LineLoad, line_load
-from fem.contact.uneven import shares_along
+from fem.contact.uneven import shares_along, turn_in_bore
 from geometry.mesh import FloatArray
 from geometry.parts import Pin
 from geometry.parts.pin import as_pin
 
-_FREE = 1e4  # times 12/(E w^3), as a bore w mm wide gives way: lugs that tilt as they like
+_FREE = 1e4  # times a strip's: lugs that tilt as they like
 _ALIKE = 1e-6  # of the mean line load
 UNSTATED = 210e3, 0.3  # MPa and 1, of bushes whose material is not stated: steel's
 _NOTHING = 1e-6  # of the largest force in a stack: a lug that carries none
@@ -92,12 +92,9 @@ class Stack:
         Von Mises of bending, shear and twist, as its own checks have it, or the mean pressure of a
         seat where that is more.
         """
-        shape, wrenches = self.shape, dict(self.loads.wrenches)
-        stress = pin_diagram(shape, wrenches, ends_only=True).equivalent_peaks.max()
-        for seat in shape.seats:
-            area = shape.neck(seat) * seat.width * len(seat.places)
-            stress = max(stress, self.loads.resultant(seat.name).max() / area)
-        return self.pin.material.yield_stress / float(stress) if stress else inf
+        wrenches = self.loads.wrenches.items()
+        stress = _even_peak(self.shape, tuple((name, one.tobytes()) for name, one in wrenches))
+        return self.pin.material.yield_stress / stress if stress else inf
 
     def yields_even(self, factor: float = 1.0) -> bool:
         """True if even pressure is known to be carried once edges yield: the lower bound theorem.
@@ -128,21 +125,34 @@ class Stack:
                 own = len(found)
             body = self.design.part_of(seat.name)
             material = (body or self.pin).material
-            free = _FREE * 12 / (material.youngs_modulus * (high - low) ** 3)
-            way = tilt if seat.name == self.bore else free
-            found.append(
-                Lug(
-                    low,
-                    high,
-                    (float(force[0]), float(force[1])),
-                    material.youngs_modulus,
-                    material.poisson_ratio,
-                    way if seat.paired else 0.0,
-                    self.clearance,
-                    lining_in(self.design, self.pin, seat.name),
-                )
+            lug = Lug(
+                low,
+                high,
+                (float(force[0]), float(force[1])),
+                material.youngs_modulus,
+                material.poisson_ratio,
+                0.0,
+                self.clearance,
+                lining_in(self.design, self.pin, seat.name),
             )
+            way = tilt if seat.name == self.bore else _FREE * _bent(lug)
+            found.append(replace(lug, tilt=way) if seat.paired else lug)
         return found, own
+
+    def most_pressed(self, position: int) -> tuple[float, str]:
+        """`most_pressed` where the part's lugs tilt as little as they may, or as they like."""
+        lugs, own = self.lugs(position, 0.0)
+        if own < 0:
+            return 1.0, ""
+        tilts = {self._least_tilt(lugs[own]), _FREE * _bent(lugs[own])} if self.paired else {0.0}
+        every = [self.shares(position, tilt) for tilt in sorted(tilts)]
+        return max(most_pressed(shares) for shares in every if shares is not None)
+
+    def _least_tilt(self, lug: Lug) -> float:
+        """The least that a lug of the part may tilt, rad/(N mm)."""
+        part = self.design.part_of(self.bore)
+        turn = part.geometry.cheeks_turn / lug.youngs_modulus if part else 0.0
+        return max(turn - turn_in_bore(self.bar, lug), 0.0) if turn else 0.0
 
     def shares(self, position: int, tilt: float) -> FloatArray | None:
         """The a_k (n,) by which the part's line load differs from a straight pin's.
@@ -158,6 +168,25 @@ class Stack:
         held = tuple(replace(lug, tilt=0.0) for lug in alike)  # as a straight pin has them anyway
         bent, straight = _pressed(self.bar, alike, True), _pressed(self.bar, held, False)
         return shares_along(bent, own) - shares_along(straight, own)
+
+
+@lru_cache(maxsize=16)
+def _even_peak(shape: Pin, forces: tuple[tuple[str, bytes], ...]) -> float:
+    """Largest stress of a pin, MPa, under even pressure: once for all parts that it meets.
+
+    forces  seat and its wrenches (n, 6), as bytes
+    """
+    wrenches = {name: np.frombuffer(one).reshape(-1, 6) for name, one in forces}
+    stress = pin_diagram(shape, wrenches, ends_only=True).equivalent_peaks.max()
+    for seat in shape.seats:
+        area = shape.neck(seat) * seat.width * len(seat.places)
+        stress = max(stress, np.hypot(*wrenches[seat.name][:, :2].T).max() / area)
+    return float(stress)
+
+
+def _bent(lug: Lug) -> float:
+    """12/(E t^3), 1/(N mm): what a strip as long as wide and as thick as a lug turns by."""
+    return 12 / (lug.youngs_modulus * lug.width**3)
 
 
 def under_one(lugs: Sequence[Lug]) -> tuple[Lug, ...]:
@@ -277,8 +306,9 @@ def uneven_bores(design: Design, part: Part, loads: PartLoads, runs: Runs) -> Ma
     """By bore, how much more a bent pin presses at the most than on average, and at which edge.
 
     Of bores whose pin's stack is known, where the force is largest, without clearance and with lugs
-    of the part that do not tilt: no less than solved contact has. Bores that are pressed evenly are
-    left out. A `bearing_arc` states how the pin presses around, not along.
+    of the part that tilt as little or as much as they may: no less than solved contact has. Bores
+    that are pressed evenly are left out. A `bearing_arc` states how the pin presses around, not
+    along.
     """
     found = {}
     for name, wrenches in loads.wrenches.items():
@@ -287,10 +317,9 @@ def uneven_bores(design: Design, part: Part, loads: PartLoads, runs: Runs) -> Ma
             continue
         forces = np.hypot(wrenches[:, 0], wrenches[:, 1])
         try:
-            shares = stack.shares(int(forces.argmax()), 0.0) if forces.any() else None
+            most, edge = stack.most_pressed(int(forces.argmax())) if forces.any() else (1.0, "")
         except ContactError:  # other bodies press as well, or from where the stack does not say
             continue
-        most, edge = most_pressed(shares) if shares is not None else (1.0, "")
         if most > 1 + _ALIKE:
             found[name] = Uneven(most, edge, stack)
     return found

@@ -50,6 +50,13 @@ def shape_along(shares: FloatArray, t: FloatArray) -> FloatArray:
     return np.asarray(np.polynomial.legendre.legval(t, np.r_[0.0, shares]))
 
 
+def turn_in_bore(bar: RoundBar, lug: Lug) -> float:
+    """Turn, rad/(N mm), that a bore alone, unlined, gives a couple of its pressure."""
+    hats = Along.graded(lug, 12)
+    own = (hats.places - (lug.low + lug.high) / 2) * hats.lengths * 12 / lug.width**3
+    return float(own @ bore_bed(bar, replace(lug, lining=None), hats) @ own)
+
+
 @dataclass(frozen=True, eq=False)
 class BoreAlong:
     """A meshed bore along its pin: one lug about z = 0, or two alike on both sides of it."""
@@ -114,12 +121,8 @@ class BoreAlong:
         force = float(np.hypot(*waves[1:3]))
         vector = self.vector(waves / force, np.eye(ORDERS)[0])
         work = float(vector @ solutions.solve(vector[:, None])[:, 0]) / self.harmonics.share / 2
-        hats = Along.graded(lug, 12)
-        t = (hats.places - (lug.low + lug.high) / 2) / (lug.width / 2)
-        own = t * hats.lengths / (2 * lug.width)  # half of 1 N on each lug
-        local = float(own @ bore_bed(bar, replace(lug, lining=None), hats) @ own)  # as the mesh
-        couple = lug.width / 12
-        return max(work - local, 0.0) / couple**2
+        couple = lug.width / 12  # half of 1 N on each lug
+        return max(work / couple**2 - turn_in_bore(bar, lug), 0.0)
 
     def short_wave_stress(self, pressure: FloatArray, shares: FloatArray) -> FloatArray:
         """Stress (n, 6), MPa, at the bore's points of short waves of pressure (n,), unevenly."""

@@ -31,6 +31,9 @@ from geometry.parameters import (
 from geometry.parts._plates import bore_at, drill, square_tube
 from geometry.shape import Body, Ligament, Region, Shape, faces_where
 
+_TURN = 0.27  # of cheeks, times 12/(E t^3): solids have 0.31 and more
+_CLEAR, _THICK = 1.1, (1.0, 8.0)  # of them: to the nearest edge over radius; radius over wall
+
 
 @dataclass(frozen=True)
 class ToggleBar(Shape):
@@ -183,6 +186,13 @@ class ToggleBar(Shape):
     def cheeks_at(self) -> float:
         """Height +-z of the middles of the cheeks, mm."""
         return (self.width - self.wall) / 2
+
+    @property
+    def cheeks_turn(self) -> float:
+        """Below all solids that were compared, at both ends (docs/theory/contact.md)."""
+        radius, clear = self.hole / 2, min(self.width / 2 - self.wall, self.overhang)
+        compared = _CLEAR * radius <= clear and _THICK[0] <= radius / self.wall <= _THICK[1]
+        return _TURN * 12 / self.wall**3 if compared else 0.0
 
     @property
     def ruling_sections(self) -> tuple[RulingSection, ...]:

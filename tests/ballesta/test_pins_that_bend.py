@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from ballesta.design.read import read_design
 from ballesta.machine.runs import solved_runs
 from checks.by_formula import pin_bending
 from checks.derivations.bars import rung_bars, solid_bars
@@ -33,7 +34,7 @@ from checks.stress.pins_in_bores import fits_of
 from fem.contact.beds import Lug, RoundBar
 from fem.contact.bore import bore_harmonics
 from fem.contact.line_load import line_load
-from fem.contact.uneven import BoreAlong, shares_along
+from fem.contact.uneven import BoreAlong, shares_along, turn_in_bore
 from fem.unit_loads import resultants
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.meshing import mesh_shape
@@ -563,3 +564,74 @@ def test_the_fewest_edges_come_first_and_bushes_last(tmp_path):
     found = edges_that_pass(loaded, [half_open], lambda other, kind: (half_open, half))
     assert list(found) == [edges_fact("fatigue", ("first",), steel=True)]
     assert edges_that_pass(loaded, [half_open], lambda *_: (half_open, half_open)) == {}
+
+
+def cosine_waves(bore, arc, angle):
+    """Waves (2 last + 1,) of 1 N of pressure that is a cosine on an arc about an angle, rad."""
+    t = 2 * np.pi * np.arange(4096) / 4096
+    away = (t - angle + np.pi) % (2 * np.pi) - np.pi
+    pressure = np.where(np.abs(away) < arc / 2, np.cos(np.pi / arc * away), 0.0)
+    turned = np.arange(1, bore.last + 1)[:, None] * t
+    waves = np.stack([np.cos(turned), np.sin(turned)], axis=1).reshape(-1, len(t)) @ pressure
+    force = pressure @ np.cos(away)
+    return np.r_[pressure.sum(), waves] / force
+
+
+def least_turn(shape):
+    """The least turn of a toggle bar's cheeks over a strip's, any end, direction and arc."""
+    steel = Elastic(210e3, 0.3, 7.85e-9)
+    solutions = solve_unit_loads(mesh_shape(shape, fineness=0.5), steel)
+    found = []
+    for name in ("knee", "end"):
+        along = BoreAlong(bore_harmonics(solutions, name))
+        low, high = along.faces
+        bar = RoundBar((-high - 5, high + 5), (shape.hole,), 210e3, 0.3)
+        for angle in (0.0, 0.25 * np.pi, 0.5 * np.pi, np.pi):
+            lug = Lug(low, high, (np.cos(angle), np.sin(angle)), 210e3, 0.3)
+            for arc in (np.pi, 0.5 * np.pi):
+                tilt = along.tilt(bar, lug, cosine_waves(along.harmonics, arc, angle))
+                found.append((tilt + turn_in_bore(bar, lug)) / pressed_along._bent(lug))
+    return min(found)
+
+
+PRESS = {"length": 300.0, "width": 80.0, "wall": 6.3, "hole": 44.0, "overhang": 40.0,
+         "inner_radius": 3.0, "cutout_length": 56.0, "cutout_corner": 5.0}  # fmt: skip
+MORE = [
+    {"hole": 60.0, "overhang": 34.0}, {"wall": 4.0, "hole": 62.0, "overhang": 36.0},
+    {"wall": 4.0, "hole": 20.0}, {"wall": 10.0, "hole": 20.0}, {"wall": 10.0, "hole": 50.0},
+    {"wall": 3.0, "hole": 40.0}, {"overhang": 26.0}, {"cutout_length": 42.0},
+    {"cutout_length": 110.0}, {"inner_radius": 8.0}, {"cutout_corner": 15.0},
+    {"width": 150.0, "wall": 5.0, "hole": 50.0, "overhang": 60.0},
+    {"wall": 12.0, "cutout_length": 80.0},
+    {"wall": 4.0, "hole": 61.0, "overhang": 33.6, "inner_radius": 5.0, "cutout_length": 40.0},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "changed", [{}, *(pytest.param(one, marks=pytest.mark.slow) for one in MORE)]
+)
+def test_cheeks_of_toggle_bars_turn_at_least_as_much_as_formulas_take(changed):
+    """So a formula takes a pin to press no less unevenly than contact with the mesh's own tilt."""
+    shape = ToggleBar(**PRESS | changed)
+    assert_allclose(shape.cheeks_turn, 0.27 * 12 / shape.wall**3, rtol=1e-12)
+    assert least_turn(shape) > 1.1 * 0.27
+
+
+def test_formulas_press_the_bars_of_the_press_no_less_than_any_tilt_they_may_have():
+    """Held 1.55 times, with the mesh's own tilt, 7.7e-8, 1.22."""
+    design, runs = solved_runs(read_design("designs/toggle_press.toml"), Models(), lambda _: None)
+    loaded = LoadedPart.of(design, design.parts["bar_upper"], runs)
+    stack, position = loaded.stack("knee"), int(loaded.loads.resultant("knee").argmax())
+    lugs, own = stack.lugs(position, 0.0)
+    least, mesh = stack._least_tilt(lugs[own]), 7.7e-8
+    assert 0.3 * mesh < least < mesh
+    pressed = [pressed_along.most_pressed(stack.shares(position, tilt))[0]
+               for tilt in (0.0, *np.geomspace(least, 1e3 * least, 7), mesh)]  # fmt: skip
+    assert_allclose([pressed[0], pressed[-1]], [1.55, 1.22], atol=0.006)
+    assert loaded.uneven["knee"].most == pressed[1] == max(pressed[1:])
+    assert loaded.uneven["knee"].edge == "inner edge"
+
+
+def test_beyond_the_cheeks_that_were_compared_formulas_hold_them():
+    for changed in ({"hole": 66.0, "wall": 3.0}, {"wall": 24.0, "hole": 20.0}, {"overhang": 23.0}):
+        assert ToggleBar(**PRESS | changed).cheeks_turn == 0.0
