@@ -204,7 +204,7 @@ def _ways(result: DesignResult) -> list[Fact]:
     """The cheapest ways out; those that settle nothing are left out, since why stands above.
 
     What makes a failed check pass stands above, too. Beside a failed check, a way counts that can
-    prove a part that does not fail.
+    prove a part that does not fail. Ways of other checks alone wait for those of the deciding one.
     """
     changes = improve_command(result)
     failed = result.status is Status.FAIL
@@ -218,15 +218,21 @@ def _ways(result: DesignResult) -> list[Fact]:
         and any(one.rpartition(" of ")[2] not in fail for one in way.settles.split(", "))
     ]
     label, most = ("also open", 1) if failed else ("way out", _MOST_WAYS)
+    deciding = _deciding(result)
+    ways = [way for way in ways if deciding in way.settles.split(", ")] or ways
     return [Fact(label, _way_text(way, result), clean(way.command)) for way in ways[:most]]
+
+
+def _deciding(result: DesignResult) -> str:
+    """Name of the deciding check, as ways have it."""
+    titles = dict(zip(map(id, result.checks), check_titles(result.checks), strict=True))
+    return f"{titles[id(result.deciding)]} of {result.deciding.part}" if titles else ""
 
 
 def _way_text(way: Way, result: DesignResult) -> str:
     """A way with its time, and for how many checks it is, if not for the one that decides alone."""
     settled = way.settles.split(", ")
-    titles = dict(zip(map(id, result.checks), check_titles(result.checks), strict=True))
-    deciding = f"{titles[id(result.deciding)]} of {result.deciding.part}" if titles else ""
-    owner = "" if way.settles == deciding else f"{way.settles}: "
+    owner = "" if way.settles == _deciding(result) else f"{way.settles}: "
     of = f" ({len(settled)} checks)" if len(settled) > 1 else ""
     time = "" if way.seconds is None else f" (about {number(way.seconds, 2)} s)"
     return _short(f"{'' if of else owner}{way.text.partition('; ')[0]}{of}{time}")

@@ -255,11 +255,11 @@ def _by_edges(result: DesignResult, check: Check, settles: str, part: PartResult
             if not name.startswith(begins):
                 continue
             bores = name.removeprefix(begins).split(", ")
-            bushes = ", and what bushes are made of (bush.material): as stiff as steel" * steel
+            bushes = ", and the bush.material, one as stiff as steel" * steel
             text = (
-                f"state that edges of {' and '.join(bores)} are relieved, crowned or have run in "
-                f"(bore_edges), where they are{bushes}: pressed evenly along, {check.kind} "
-                f"passes here with a safety of at least {number(least, 3)}"
+                f"state edges of {' and '.join(bores)} that have run in (bore_edges){bushes}: "
+                f"{check.kind} passes, safety ≥ {number(least, 3)}; relieved and crowned edges "
+                "press evenly along as well"
             )
             stated = [f'parts.{part.name}.bore_edges.{bore}="run_in"' for bore in bores]
             yield Way(

@@ -192,6 +192,10 @@ def test_a_way_is_told_with_the_number_of_its_checks_and_what_only_fails_is_not(
     open_ = replace(results.design(*parts), ways=[judge, fails])
     text = words(answer_text(open_, 100))
     assert "way out let a solid judge it (2 checks): check x" in text
+    assert "check y" not in text  # of another check than the one that decides
+    text = words(
+        answer_text(replace(open_, ways=[judge, replace(fails, settles="static of rod")]), 100)
+    )
     assert "without its bar it is a FAIL (about 2.0 s): check y" in text
     failing = results.part("arm", [replace(results.FAILING, part="arm")])
     text = words(answer_text(replace(results.design(*parts, failing), ways=[fails]), 100))

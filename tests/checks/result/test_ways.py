@@ -155,8 +155,8 @@ def test_edges_that_would_settle_it_are_keys_of_their_bores_with_the_safety_they
     facts = {edges_fact("static", bores): 1.61, edges_fact("fatigue", bores): 1.7}
     way = only(design(part(checks=both, facts={"mass [kg]": 4.1, **facts})))
     assert way.settles == "static of bar_upper, fatigue of bar_upper"
-    assert "edges of knee and end are relieved, crowned or have run in" in way.text
-    assert way.text.endswith("static passes here with a safety of at least 1.61")
+    assert "state edges of knee and end that have run in (bore_edges)" in way.text
+    assert "static passes, safety ≥ 1.61" in way.text
     stated = [f"'parts.bar_upper.bore_edges.{bore}=\"run_in\"'" for bore in bores]
     assert way.command.endswith(f"--set {stated[0]} --set {stated[1]}")
     facts = {edges_fact("static", ("knee",), steel=True): 1.5}
