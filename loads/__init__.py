@@ -56,6 +56,7 @@ from loads.path import Path, trace
 from loads.phases import Cycle, Phase
 from loads.point_loads import LoadHistory, PointLoad
 from loads.reversals import split_cycle
+from loads.swing import Strike, Swing, SwungCycle, swing, swung_cycle, without_contact
 from loads.turning import RunawayError, StallError, UnsettledError
 
 __all__ = [
@@ -122,8 +123,11 @@ __all__ = [
     "Slot",
     "StallError",
     "SteadyPace",
+    "Strike",
     "StrokePace",
     "Struck",
+    "Swing",
+    "SwungCycle",
     "Table",
     "Term",
     "UnsettledError",
@@ -146,8 +150,11 @@ __all__ = [
     "solve_event",
     "solve_forces",
     "split_cycle",
+    "swing",
+    "swung_cycle",
     "trace",
     "try_cycle",
     "with_blow",
     "with_hits",
+    "without_contact",
 ]

@@ -225,9 +225,10 @@ def _blow_force(blow: BlowSummary, solved: BlowForceSummary) -> str:
     joints = ", ".join(
         f"{brief(name, 20)} {number(force)} N" for name, force in solved.joints.items()
     )
+    hardest = "" if solved.count == 1 else f"the hardest of {solved.count} touches in a cycle, "
     return (
-        f"struck at {number(blow.speed)} mm/s{often}: force up to {number(solved.peak * 1e-3)} kN, "
-        f"{gone}{depth}; {leaves}; joints in it up to: "
+        f"{hardest}struck at {number(blow.speed)} mm/s{often}: force up to "
+        f"{number(solved.peak * 1e-3)} kN, {gone}{depth}; {leaves}; joints in it up to: "
         f"{joints}; it stands in these loads"
     )
 
