@@ -241,7 +241,8 @@ class BlowForceSummary:
     depth    mm that the workpiece is pressed in for good; energy  N mm left in it
     rebound  mm/s; 0 where the bodies stay in touch; until  s for which the blow is followed
     joints   N, largest force of each while the blow is followed
-    count    blows in a cycle, of which this is the hardest
+    count    touches in a cycle that swings by its blows, of which this is the hardest; 0 where it
+             goes on as if slowly
     """
 
     peak: float
@@ -251,7 +252,7 @@ class BlowForceSummary:
     rebound: float
     until: float
     joints: Mapping[str, float]
-    count: int = 1
+    count: int = 0
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ from loads.vibration import closes
 from reports.loads_figures import BlowForceSummary, BlowSummary, JointBlow
 
 SWING_ENDS = "lowest", "highest"
-_WAVES = "stress waves in a blow"
+_WAVES = "ring-down of fast modes and stress waves in a blow"
 _AFTER = "swing after a blow, stress waves in it"
 _LEAVES = "leaves that part in it"
 _MISSING = 1e-6
@@ -205,7 +205,7 @@ def blows_of(
                 continue  # the swing has its own
             one = max(swung.blows, key=lambda one: float(one.blow.force.max()), default=None)
         if one is not None:
-            start, count = float(one.loads.times[0]), len(swung.swing.strikes) if swung else 1
+            start, count = float(one.loads.times[0]), len(swung.swing.strikes) if swung else 0
             summary = replace(
                 summary,
                 time=start,
