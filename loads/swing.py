@@ -204,7 +204,7 @@ def swung_cycle(
         times,
     )
     loads = _with_swing(free, elastic, response, unit, found, omega, kept, shares, sense, force)
-    loads = replace(loads, touches=touching.touches, unstruck=touching)
+    loads = replace(loads, touches=touching.touches, unstruck=touching, swings=True)
     shown = replace(free, touches=touching.touches)
     stretched = replace(free, linkage=elastic.linkage)
     least = _HARD * max((one.speed for one in found.strikes), default=0.0)
