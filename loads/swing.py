@@ -38,7 +38,8 @@ from loads.vibration import (
     with_body_loads,
 )
 
-_SHARE = 0.05  # of the energy of a unit force of the contact: a mode below it follows statically
+_SHARE = 0.05  # of the compliance of all modes at the contact: one below it follows statically
+_STIFF = 0.01  # of it: what gives way without mass before a workpiece that only yields is rigid
 _TOLERANCE = 1e-7
 _TURNS = 40  # cycles, one after another, at most
 _REPEATS = 0.005  # of the largest deformation: what the next cycle may begin with otherwise
@@ -98,7 +99,8 @@ def swing(
     Arguments as in `blow_force`; `course` over the cycle. Raises LinkageError where it touches as
     the cycle begins.
     """
-    soft = 0.0 if np.isinf(struck.stiffness) else compliance
+    left = compliance / float((along / omega) @ (along / omega))
+    soft = 0.0 if np.isinf(struck.stiffness) and left < _STIFF else compliance
     run = run_of(omega, along, soft, speed, struck, (damping, np.inf), len(omega), course)
     run.tolerance = _TOLERANCE
     state, modes = run.state, len(run.omega)
@@ -140,12 +142,14 @@ class SwungCycle:
     blows  its hard strikes, whose moments are not yet among the positions
     surge  range of the work that the swing asks of the drive, over twice its kinetic energy: how
            far it does not keep its speed; 0 where it is held
+    still  share of the compliance of all modes at the contact in those that follow it statically
     """
 
     swing: Swing
     loads: CycleLoads
     blows: tuple[BlowLoads, ...]
     surge: float
+    still: float
 
 
 def swung_cycle(
@@ -168,7 +172,8 @@ def swung_cycle(
     inertia   as in `blow_loads`
     pick      "lowest" or "highest" frequency of every mode over the cycle; "": that of the touch
 
-    Raises LinkageError where the cycle begins in touch, and as `blow_loads` does.
+    Raises LinkageError where the cycle begins in touch, none of the followed modes gives way at the
+    contact, and as `blow_loads` does.
     """
     assert law.struck is not None
     modes, times = response.modes, free.times
@@ -184,7 +189,11 @@ def swung_cycle(
     shares = np.array([np.einsum("nr,nr->n", strain, one) for one in own])
     row = int(touching.contacts[force].begins[0])
     soft = float(strain[row] @ strain[row])
-    kept = np.flatnonzero(shares[:, row] ** 2 >= _SHARE * soft)
+    modal = float(((modes.strains[row].T @ strain[row]) ** 2).sum())
+    kept = np.flatnonzero(shares[:, row] ** 2 >= _SHARE * modal)
+    if not len(kept):
+        raise LinkageError("none of its six softest modes gives way there")
+    swinging_share = float((shares[kept, row] ** 2).sum())
     omega = np.array([_omega(response, int(k), row, pick) for k in kept])
     along = omega * shares[kept, row]
     gap = touching.touches[force].gap.copy()
@@ -196,7 +205,7 @@ def swung_cycle(
     found = swing(
         omega,
         along,
-        max(soft - float((shares[kept, row] ** 2).sum()), 0.0),
+        max(soft - swinging_share, 0.0),
         Course(way, still, still),
         abs(float(touching.rate(force)[row])),
         law.struck,
@@ -223,7 +232,8 @@ def swung_cycle(
             blows.append(
                 blow_loads(shown, stretched, force, at, law.struck, damping, inertia, swinging)
             )
-    return SwungCycle(found, loads, tuple(blows), _surge(touching, loads, modes.holder, inertia))
+    surge = _surge(touching, loads, modes.holder, inertia)
+    return SwungCycle(found, loads, tuple(blows), surge, 1.0 - swinging_share / modal)
 
 
 def _omega(response: CycleResponse, k: int, row: int, pick: str) -> float:

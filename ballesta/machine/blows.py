@@ -34,6 +34,7 @@ _LEAVES = "leaves that part in it"
 _MISSING = 1e-6
 _TURNED = 0.1  # of the speed: the pose counts as one through a blow
 _REPEATS = 0.02  # of the largest deformation
+_STILL = 0.1
 _SURGE = 0.1  # of its speed: a drive that the swing speeds up and slows by more does not keep it
 _MINUTE = 60.0  # s
 _SOFT = 0.9  # share of the linkage in the compliance of both, above which it pushes back too late
@@ -90,7 +91,11 @@ def transients_of(
     """
     free = _without_struck_contacts(design, solved)
     asked = {**solved, **free} if every or design.dynamics.apply else free
-    vibration = vibration_of(design, asked) if known is None else known
+    vibration = vibration_of(design, asked) if known is None else dict(known)
+    for name, cycle in free.items() if known is not None else ():
+        response = vibration[name].response if name in vibration else None
+        if response is None or not np.array_equal(response.modes.motion.poses, cycle.poses):
+            vibration |= vibration_of(design, {name: cycle})
     free = {
         name: cycle
         for name, cycle in free.items()
@@ -131,7 +136,8 @@ def _without_struck_contacts(
         if not met or len(cycle.touches) > 1 or stated.event is not None or not closes(cycle):
             continue
         force = met[0][0]
-        if np.isfinite(cycle.touches[force].gap).all():
+        touch = cycle.touches[force]
+        if np.isfinite(touch.gap).all() and not touch.touching[0]:
             found[name] = loads.without_contact(cycle, stated.run, force)
     return found
 
@@ -263,6 +269,12 @@ def _gates(name: str, struck: StruckCycle) -> Iterator[Gate]:
     if struck.swung is not None:
         missing.append(struck.swung.swing.missing)
         yield _repeats(f"{name}: swing that repeats", struck.swung.swing)
+        yield Gate(
+            f"{name}: modes in the swing",
+            struck.swung.still,
+            _STILL,
+            "share of what gives way at the contact in modes that are not among those that swing",
+        )
     if struck.surge:
         yield Gate(
             f"{name}: speed of the drive in the swing",

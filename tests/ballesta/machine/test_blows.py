@@ -275,6 +275,18 @@ def test_a_blow_that_is_not_solved_leaves_its_cycle_not_valid():
     assert found.blows == {}
 
 
+def test_at_other_positions_the_swing_has_modes_of_its_own(forging):
+    """As at the ends of a doubt that are solved anew."""
+    design, solved = forging('{ yields = "30 kN" }')
+    known = transients_of(design, solved)
+    coarse = read_design(design.file, ("cycles.at_5_work_10.positions=361",))
+    coarse = replace(coarse, cycles={FORGING: coarse.cycles[FORGING]})
+    again = transients_of(coarse, solve_cycles(coarse, {}), known.vibration)
+    assert len(again.cycles[FORGING].times) != len(known.cycles[FORGING].times)
+    pair = (largest(found.cycles[FORGING], "R") for found in (again, known))
+    assert next(pair) == pytest.approx(next(pair), rel=0.01)
+
+
 def test_a_swing_that_does_not_repeat_is_not_valid(forging):
     """Of the cycle itself, and once for both ends of a doubt."""
     design, solved = forging('{ yields = "30 kN" }')
