@@ -56,7 +56,7 @@ from loads.path import Path, trace
 from loads.phases import Cycle, Phase
 from loads.point_loads import LoadHistory, PointLoad
 from loads.reversals import split_cycle
-from loads.swing import Strike, Swing, SwungCycle, swing, swung_cycle, without_contact
+from loads.swing import Swing, SwungCycle, swung_cycle, without_contact
 from loads.turning import RunawayError, StallError, UnsettledError
 
 __all__ = [
@@ -123,7 +123,6 @@ __all__ = [
     "Slot",
     "StallError",
     "SteadyPace",
-    "Strike",
     "StrokePace",
     "Struck",
     "Swing",
@@ -150,7 +149,6 @@ __all__ = [
     "solve_event",
     "solve_forces",
     "split_cycle",
-    "swing",
     "swung_cycle",
     "trace",
     "try_cycle",

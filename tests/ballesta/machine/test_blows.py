@@ -300,6 +300,9 @@ def test_a_swing_that_does_not_repeat_is_not_valid(forging):
     assert "A workpiece that yields" in gate.cure
     (told,) = swing_gates([again, again])
     assert (told.value, told.holds) == (0.3, False)
+    stiff = {FORGING: replace(struck, swung=replace(struck.swung, still=0.5))}
+    broken = [gate.name for gate in blow_gates(stiff) if not gate.holds]
+    assert broken == [f"{FORGING}: modes in the swing"]
 
 
 @pytest.mark.parametrize("answers", ['{ stiffness = "20 kN/mm" }', '{ yields = "30 kN" }'])
@@ -397,6 +400,13 @@ def test_a_flywheel_strikes_with_all_that_it_turns(tmp_path):
     expected = rigid.speed * np.sqrt(rigid.mass[0] / (1 / 20e3 + 1 / 500e3))
     assert blow.solved.peak == pytest.approx(expected, rel=0.01)
     assert blow.solved.contact < 0.02
+    # it cannot press 10 mm in and turn on: of 39 J of the flywheel's that would take 1 kJ
+    broken = [
+        gate
+        for gate in loads_of_file(stop_design(tmp_path, answers, stiff)).gates
+        if not gate.holds
+    ]
+    assert "run: speed of the drive in the swing" in [gate.name for gate in broken]
 
 
 def test_a_blow_of_rigid_bodies_alone_is_refused_with_its_place(tmp_path):
