@@ -170,7 +170,7 @@ def swung_cycle(
     elastic   as `free` without vibration, of a linkage in which everything gives way that can
     response  of `elastic` to vibration
     inertia   as in `blow_loads`
-    pick      "lowest" or "highest" frequency of every mode over the cycle; "": that of the touch
+    pick      "lowest" or "highest" frequency of every mode over the cycle; "": at the touch
 
     Raises LinkageError where the cycle begins in touch, none of the followed modes gives way at the
     contact, and as `blow_loads` does.
@@ -306,7 +306,7 @@ def _with_swing(
 
 
 def _surge(touching: CycleLoads, swung: CycleLoads, holder: str, inertia: float) -> float:
-    """Range of the drive's work beside that of the cycle as if slowly, as in SwungCycle."""
+    """Range of the drive's work beside its work in the cycle as if slowly, as in SwungCycle."""
     if np.isinf(inertia):
         return 0.0
     rate = touching.rate(holder) * touching.linkage.force(holder).sign

@@ -1,7 +1,7 @@
 """Blows of a machine's cycles: what strikes where a contact is met, its impulses and forces.
 
-Where the design says how the workpiece answers, the cycle is that of a linkage that swings by its
-blows, and their moments stand among its positions, so that stresses and fatigue have them
+Where the design says how the workpiece answers, the linkage of a cycle swings by its blows, and
+their moments stand among its positions, so that stresses and fatigue have them
 (docs/theory/blows.md).
 """
 
@@ -85,7 +85,7 @@ def transients_of(
 
     known  vibration, if it is known
     every  False for the vibration of those cycles alone whose loads it changes
-    pick   "lowest" or "highest" frequency of the swing; "": that of the touch
+    pick   "lowest" or "highest" frequency of the swing; "": at the touch
 
     Raises DesignError where nothing gives way in a blow, or it cannot be followed.
     """
