@@ -323,7 +323,7 @@ def _linkage_share(design: Design, runs: Runs, motions: FreeMotions) -> float:
 
 def _not_checked(design: Design, machine: MachineRuns) -> tuple[str, ...]:
     """Effects that no check of a design knows."""
-    blow = blow_subject(design, machine.rigid)
+    blow = blow_subject(design, machine.rigid, machine.blows)
     changes = "any speed change within a cycle"
     stated = any(part.welds for part in design.parts.values())
     told = tuple(

@@ -56,6 +56,7 @@ from loads.path import Path, trace
 from loads.phases import Cycle, Phase
 from loads.point_loads import LoadHistory, PointLoad
 from loads.reversals import split_cycle
+from loads.swing import Swing, SwungCycle, swung_cycle, without_contact
 from loads.turning import RunawayError, StallError, UnsettledError
 
 __all__ = [
@@ -124,6 +125,8 @@ __all__ = [
     "SteadyPace",
     "StrokePace",
     "Struck",
+    "Swing",
+    "SwungCycle",
     "Table",
     "Term",
     "UnsettledError",
@@ -146,8 +149,10 @@ __all__ = [
     "solve_event",
     "solve_forces",
     "split_cycle",
+    "swung_cycle",
     "trace",
     "try_cycle",
     "with_blow",
     "with_hits",
+    "without_contact",
 ]

@@ -26,6 +26,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from math import inf, isinf, pi, sqrt
+from typing import Any
 
 import numpy as np
 
@@ -88,6 +89,24 @@ class Struck:
 
 
 @dataclass(frozen=True, eq=False)
+class Course:
+    """Way of the point that strikes towards the workpiece, without the answer of its modes.
+
+    at     way, its rate and its change: mm, mm/s and mm/s2 at a time in s
+    modal  (k,) mm sqrt(t) and rates (k,) mm sqrt(t)/s, of the modes at time 0
+    """
+
+    at: Callable[[float], tuple[float, float, float]]
+    modal: FloatArray
+    rates: FloatArray
+
+    @staticmethod
+    def steady(speed: float, count: int) -> "Course":
+        """The course of a point that moves on at a speed in mm/s, and of modes at rest."""
+        return Course(lambda time: (speed * time, speed, 0.0), np.zeros(count), np.zeros(count))
+
+
+@dataclass(frozen=True, eq=False)
 class BlowForce:
     """The force of a blow, and the modes that answer to it.
 
@@ -141,6 +160,7 @@ def blow_force(
     struck: Struck,
     damping: float = 0.0,
     holds: float = inf,
+    course: Course | None = None,
 ) -> BlowForce:
     """Return the force of a blow.
 
@@ -150,15 +170,18 @@ def blow_force(
     speed       mm/s towards the workpiece
     damping     ratio of every mode
     holds       s, for which the modes are those of this pose: slower swing is followed no longer
+    course      from the touch; None: steady, at that speed
 
     Raises LinkageError where the blow cannot be followed.
     """
+    course = Course.steady(speed, len(omega)) if course is None else course
     count = min(_FIRST, len(omega))
-    found = _with_modes(omega, shapes, compliance, speed, struck, (damping, holds), count)
+    swings = damping, holds
+    found = _with_modes(omega, shapes, compliance, speed, struck, swings, count, course)
     while count < len(omega):
         count = min(2 * count, len(omega))
         before = found
-        found = _with_modes(omega, shapes, compliance, speed, struck, (damping, holds), count)
+        found = _with_modes(omega, shapes, compliance, speed, struck, swings, count, course)
         sizes = zip(_sizes(before, omega), _sizes(found, omega), strict=True)
         settled = all(abs(one - other) <= _SETTLED * other for one, other in sizes)
         if settled and found.unresolved <= 1.0:
@@ -180,25 +203,14 @@ def _with_modes(
     struck: Struck,
     swings: tuple[float, float],
     count: int,
+    course: Course,
 ) -> BlowForce:
     """The blow with the lowest modes alone; the others yield without mass.
 
     swings  damping, and time for which the pose holds
     """
-    left = (shapes[count:] / omega[count:]) ** 2
     follow = shapes[count:] / omega[count:] ** 2
-    own, along = omega[:count], shapes[:count]
-    still = 0.0
-    if struck.anvil_mass and not _follows(struck, own, along, speed):
-        own = np.append(own, sqrt(struck.anvil_stiffness / struck.anvil_mass))
-        along = np.append(along, 1.0 / sqrt(struck.anvil_mass))
-    elif struck.anvil_mass:
-        still = 1.0 / struck.anvil_stiffness
-    yielding = 1.0 / struck.stiffness + compliance + still + float(left.sum())
-    pressed_in = 0.5 * speed**2 / float(along @ along) / struck.yields
-    if isinf(struck.stiffness) and yielding * struck.yields < _RIGID * pressed_in:
-        yielding = 0.0
-    run = _Run(own, along, yielding, speed, struck.yields, swings, count)
+    run = run_of(omega, shapes, compliance, speed, struck, swings, count, course)
     times, states = run.followed()
     force = run.forces(times, states)
     modal = np.concatenate([states[:, :count], force[:, None] * follow], axis=1)
@@ -214,9 +226,35 @@ def _with_modes(
         energy=float(states[-1, -3]) - elastic,
         rebound=run.rebound if force[-1] == 0.0 else 0.0,
         kept=count,
-        highest=float(own[:count].max()) / (2.0 * pi),
+        highest=float(omega[:count].max()) / (2.0 * pi),
         missing=run.missing(states[-1]),
     )
+
+
+def run_of(
+    omega: FloatArray,
+    shapes: FloatArray,
+    compliance: float,
+    speed: float,
+    struck: Struck,
+    swings: tuple[float, float],
+    count: int,
+    course: Course,
+) -> "BlowRun":
+    """Return the run of the lowest modes, and of the anvil; the other modes yield without mass."""
+    left = (shapes[count:] / omega[count:]) ** 2
+    own, along = omega[:count], shapes[:count]
+    still = 0.0
+    if struck.anvil_mass and not _follows(struck, own, along, speed):
+        own = np.append(own, sqrt(struck.anvil_stiffness / struck.anvil_mass))
+        along = np.append(along, 1.0 / sqrt(struck.anvil_mass))
+    elif struck.anvil_mass:
+        still = 1.0 / struck.anvil_stiffness
+    yielding = 1.0 / struck.stiffness + compliance + still + float(left.sum())
+    pressed_in = 0.5 * speed**2 / float(along @ along) / struck.yields
+    if isinf(struck.stiffness) and yielding * struck.yields < _RIGID * pressed_in:
+        yielding = 0.0
+    return BlowRun(own, along, yielding, speed, struck.yields, swings, count, course)
 
 
 def _follows(struck: Struck, omega: FloatArray, along: FloatArray, speed: float) -> bool:
@@ -227,7 +265,7 @@ def _follows(struck: Struck, omega: FloatArray, along: FloatArray, speed: float)
     return own > _AT_ONCE / lasts and own > _AT_ONCE * 1e-2 * float(omega.max(initial=0.0))
 
 
-class _Run:
+class BlowRun:
     """The states of a blow, one after another.
 
     A state vector holds q, q', then integrals over time: force times approach (the work on the
@@ -243,24 +281,31 @@ class _Run:
         yields: float,
         swings: tuple[float, float],
         linkage: int,
+        course: Course,
     ) -> None:
         self.omega, self.along = omega, along
         self.damping, self.holds = swings
         self.linkage = linkage  # number of modes that are the linkage's
+        self.course = course
+        started = np.zeros((2, len(omega)))
+        started[:, :linkage] = course.modal[:linkage], course.rates[:linkage]
+        self.state = np.concatenate([started.ravel(), np.zeros(3)])
+        self.given = self.energy(self.state)
         self.stiffness = 1.0 / yielding if yielding > 0.0 else inf
         self.speed, self.yields = speed, yields
         self.set = 0.0
         self.contact, self.rebound = inf, 0.0
         self.pieces: list[tuple[float, str, float]] = []  # start, state and set of each
+        self.tolerance = _TOLERANCE
 
-    def approach(self, state: FloatArray) -> float:
+    def approach(self, time: float, state: FloatArray) -> float:
         """Rate at which the point comes nearer, mm/s."""
         n = len(self.omega)
-        return self.speed - float(self.along @ state[n : 2 * n])
+        return self.course.at(time)[1] - float(self.along @ state[n : 2 * n])
 
     def depth(self, time: float, state: FloatArray) -> float:
         """Approach since the first touch, mm."""
-        return self.speed * time - float(self.along @ state[: len(self.omega)])
+        return self.course.at(time)[0] - float(self.along @ state[: len(self.omega)])
 
     def force(self, mode: str, time: float, state: FloatArray) -> float:
         """Force in one of the states elastic, plastic, held, free."""
@@ -269,9 +314,15 @@ class _Run:
         if mode == "plastic":
             return self.yields
         if mode == "held":
-            own = state[: len(self.omega)]
-            return float(self.along @ (self.omega**2 * own)) / float(self.along @ self.along)
+            pull = self.along @ self._back(state) + self.course.at(time)[2]
+            return float(pull) / float(self.along @ self.along)
         return self.stiffness * (self.depth(time, state) - self.set)
+
+    def _back(self, state: FloatArray) -> FloatArray:
+        """Accelerations by which springs and damping of the modes bring them back."""
+        n = len(self.omega)
+        drag = 2.0 * self.damping * self.omega * state[n : 2 * n]
+        return np.asarray(self.omega**2 * state[:n] + drag)
 
     def forces(self, times: FloatArray, states: FloatArray) -> FloatArray:
         """Force at every sample."""
@@ -286,39 +337,20 @@ class _Run:
 
     def followed(self) -> tuple[FloatArray, FloatArray]:
         """Samples of times and states."""
-        from scipy.integrate import solve_ivp
-
-        n = len(self.omega)
-        state = np.zeros(2 * n + 3)
+        state = self.state
         time, mode = 0.0, "plastic" if isinf(self.stiffness) else "elastic"
-        struck = 1.0 / float(self.along @ self.along)
-        longest = self._longest()
-        end = _LONGEST * longest
-        scale = np.concatenate(
-            [
-                np.full(n, sqrt(struck) * self.speed * longest),
-                np.full(n, sqrt(struck) * self.speed),
-                np.full(3, struck * self.speed**2),
-            ]
-        )
+        end = _LONGEST * self._longest()
         solutions, peaks = [], []
         while time < end:
-            if len(self.pieces) > _MOST_CHANGES:
-                raise LinkageError("a blow that touches and leaves without end cannot be followed")
-            self.pieces.append((time, mode, self.set))
-            found = solve_ivp(
-                partial(self._rates, mode), (time, end), state, method="DOP853",
-                events=self._events(mode), rtol=_TOLERANCE, atol=1e-3 * _TOLERANCE * scale,
-                dense_output=True, max_step=end / 20.0,
-            )  # fmt: skip
+            found = self.piece(mode, time, end, state)
             solutions.append((time, found.sol))
             peaks += [float(at) for one in found.t_events for at in one]
             time, state = float(found.t[-1]), found.y[:, -1]
             if found.status != 1:
                 break
-            mode = self._next(mode, time, state)
+            mode = self.following(mode, time, state)
             if mode in ("free", "held"):
-                self.contact, self.rebound = time, max(-self.approach(state), 0.0)
+                self.contact, self.rebound = time, max(-self.approach(time, state), 0.0)
                 end = time + max(time, min(self._swing(state), self.holds))
         if mode == "plastic":
             self.set = self._pressed(time, state)
@@ -329,6 +361,22 @@ class _Run:
         starts = [start for start, _ in solutions]
         rows = np.maximum(np.searchsorted(starts, times, "right") - 1, 0)
         return times, np.array([solutions[k][1](t) for k, t in zip(rows, times, strict=True)])
+
+    def piece(self, mode: str, time: float, end: float, state: FloatArray) -> Any:
+        """SciPy's solution of one state, until it ends."""
+        from scipy.integrate import solve_ivp
+
+        if len(self.pieces) > _MOST_CHANGES:
+            raise LinkageError("a blow that touches and leaves without end cannot be followed")
+        self.pieces.append((time, mode, self.set))
+        n, longest = len(self.omega), self._longest()
+        root = self.speed / sqrt(float(self.along @ self.along))
+        scale = np.concatenate([np.full(n, root * longest), np.full(n, root), np.full(3, root**2)])
+        return solve_ivp(
+            partial(self._rates, mode), (time, end), state, method="DOP853",
+            events=self._events(mode), rtol=self.tolerance, atol=1e-3 * self.tolerance * scale,
+            dense_output=True, max_step=end / 20.0,
+        )  # fmt: skip
 
     def _longest(self) -> float:
         """Time scale of the whole blow, s: the softest mode on all that yields besides it."""
@@ -369,19 +417,24 @@ class _Run:
 
     def missing(self, state: FloatArray) -> float:
         """Energy that is not accounted for, relative."""
+        kept = self.energy(state)
+        work, given, lost = state[2 * len(self.omega) :]
+        left = float(self.given + given - kept - work - lost)
+        return abs(left) / float(self.given + abs(given) + kept)
+
+    def energy(self, state: FloatArray) -> float:
+        """Energy of the modes, N mm."""
         n = len(self.omega)
-        kept = 0.5 * float((state[n : 2 * n] ** 2 + (self.omega * state[:n]) ** 2).sum())
-        work, given, lost = state[2 * n :]
-        return abs(float(given - kept - work - lost)) / float(abs(given) + kept)
+        return 0.5 * float((state[n : 2 * n] ** 2 + (self.omega * state[:n]) ** 2).sum())
 
     def _rates(self, mode: str, time: float, state: FloatArray) -> FloatArray:
         n = len(self.omega)
         force = self.force(mode, time, state)
-        own, rates = state[:n], state[n : 2 * n]
-        drag = 2.0 * self.damping * self.omega * rates
+        rates = state[n : 2 * n]
+        lost = float(rates @ (2.0 * self.damping * self.omega * rates))
         return np.concatenate(
-            [rates, self.along * force - drag - self.omega**2 * own,
-             [force * self.approach(state), force * self.speed, float(drag @ rates)]]
+            [rates, self.along * force - self._back(state),
+             [force * self.approach(time, state), force * self.course.at(time)[1], lost]]
         )  # fmt: skip
 
     def _events(self, mode: str) -> list[_Event]:
@@ -393,8 +446,7 @@ class _Run:
         def too_much(time: float, state: FloatArray) -> float:
             return self.force(mode, time, state) - self.yields
 
-        def ends(_: float, state: FloatArray) -> float:
-            return self.approach(state)
+        ends = self.approach
 
         def meets(time: float, state: FloatArray) -> float:
             return self.depth(time, state) - self.set
@@ -412,7 +464,7 @@ class _Run:
         elastic = 0.0 if isinf(self.stiffness) else self.yields / self.stiffness
         return self.depth(time, state) - elastic
 
-    def _next(self, mode: str, time: float, state: FloatArray) -> str:
+    def following(self, mode: str, time: float, state: FloatArray) -> str:
         """The state after an event of another one."""
         rigid = isinf(self.stiffness)
         if mode == "plastic":

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from loads.blow_force import BlowForce, Struck, blow_force
+from loads.blow_force import BlowForce, Course, Struck, blow_force
 from loads.bodies import BoolArray, FloatArray, IntArray, LinkageError
 from loads.contact import Touch
 from loads.cycle_loads import CycleLoads
@@ -44,12 +44,41 @@ class BlowLoads:
     blow   its force
     loads  the cycle at the moments of the blow alone, its times since the cycle's start
     turned  relative change of the struck point's rate over the pace's, in the way that it presses
+    speed  mm/s at which it is met
     """
 
     row: int
     blow: BlowForce
     loads: CycleLoads
     turned: float
+    speed: float
+
+
+@dataclass(frozen=True, eq=False)
+class Swinging:
+    """A linkage that swings as its contact is met (`loads/swing.py`).
+
+    time           s, in the cycle
+    side           of the contact
+    way            of the struck point towards the workpiece at a time of the cycle, as in `Course`
+    strain, rates  (rows,) deformation of the linkage by the contact's force before, and its rate
+    """
+
+    time: float
+    side: int
+    way: Callable[[float], tuple[float, float, float]]
+    strain: FloatArray
+    rates: FloatArray
+
+    def course(self, along: FloatArray, modal: FloatArray, rates: FloatArray) -> Course:
+        """The course from the touch on, of modes that are where they are."""
+        start = self.way(self.time)[0] - float(along @ modal)
+
+        def at(time: float) -> tuple[float, float, float]:
+            way, rate, change = self.way(self.time + time)
+            return way - start, rate, change
+
+        return Course(at, modal, rates)
 
 
 def blow_loads(
@@ -60,12 +89,14 @@ def blow_loads(
     struck: Struck,
     damping: float,
     inertia: float = inf,
+    swinging: Swinging | None = None,
 ) -> BlowLoads:
     """Return the blow of a contact that is met at a row of a cycle.
 
     elastic  the cycle of a linkage in which everything gives way that can
     inertia  t or t mm2 on the coordinate of the pace besides the bodies; infinite where the drive
              keeps its rate through the blow
+    swinging  None: as if slowly; else the loads of both cycles are without the contact
 
     Raises LinkageError where nothing of the linkage is elastic, the blow cannot be followed, or the
     drive presses on against what does not yield.
@@ -80,22 +111,32 @@ def blow_loads(
     shares = modes.strains[0][:, free].T @ strain
     left = float(strain @ strain - shares @ shares)
     rate = float(cycle.rate(force)[row])
-    way = -np.sign(rate) * cycle.linkage.force(force).sign  # of the effort that the workpiece is
+    side = -np.sign(rate) if swinging is None else swinging.side
+    way = side * cycle.linkage.force(force).sign  # of the effort that the workpiece is
     along = way * omega * shares
+    started = np.zeros((2, len(omega)))
+    if swinging is not None:
+        own = modes.strains[0][:, free].T
+        started = np.array([own @ swinging.strain, own @ swinging.rates]) / omega
     holds = inf
     if not isinf(inertia):
         holds = _holds(cycle, force, row)
-        omega, shapes, along = _with_free_drive(modes, elastic, omega, shapes, along, inertia, rate)
+        omega, shapes, along, started = _with_free_drive(
+            modes, elastic, omega, shapes, along, inertia, side * rate, started
+        )
+    course = None if swinging is None else swinging.course(along, *started)
+    speed = abs(rate) if course is None else course.at(0.0)[1] - float(along @ course.rates)
     blow = blow_force(
         omega,
         along,
         left if left > _ROUND_OFF * float(strain @ strain) else 0.0,
-        abs(rate),
+        speed,
         struck,
         damping,
         holds,
+        course,
     )
-    if isinf(blow.contact) and blow.force[-1] < (1.0 - 1e-6) * struck.yields:
+    if course is None and isinf(blow.contact) and blow.force[-1] < (1.0 - 1e-6) * struck.yields:
         raise LinkageError(
             "the drive keeps its rate and presses on, so that the force has no end; state its "
             "inertia (drive.flywheel, drive.motor) or the force at which the workpiece yields"
@@ -114,7 +155,7 @@ def blow_loads(
     efforts = dict(moved.efforts)
     efforts[force] = efforts[force] + push
     efforts[modes.holder] = efforts[modes.holder] + unit.efforts[modes.holder] * push
-    times = cycle.times[row] + blow.times
+    times = blow.times + (cycle.times[row] if swinging is None else swinging.time)
     own = cycle.phase_of == cycle.phase_of[row]
     loads = replace(
         at_rows(cycle, rows),
@@ -124,7 +165,8 @@ def blow_loads(
         reactions=reactions,
         efforts=efforts,
     )
-    return BlowLoads(row, blow, loads, _turned(cycle, force, row, blow.deepest))
+    turned = _turned(cycle, force, row, blow.deepest) if swinging is None else 0.0
+    return BlowLoads(row, blow, loads, turned, speed)
 
 
 def _turned(cycle: CycleLoads, force: str, row: int, deepest: float) -> float:
@@ -156,12 +198,15 @@ def _with_free_drive(
     along: FloatArray,
     inertia: float,
     rate: float,
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+    started: FloatArray,
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Frequencies, shapes of the lumps and of the struck point, where the drive is not held.
+
+    And what the modes start with (2, k): places and rates.
 
     The rigid motion r of a unit rate of the pace joins the modes S of the held drive: masses
     [r' M r + I, r' M S; S' M r, 1] and stiffnesses diag(0, omega^2) have the free modes.
-    rate  of the contact's coordinate in that motion
+    rate  of the contact's coordinate in that motion, away from what is struck
     """
     from scipy.linalg import eigh
 
@@ -176,7 +221,8 @@ def _with_free_drive(
     squares, mix = eigh(np.diag(np.r_[0.0, omega**2]), mass)
     squares[0] = 0.0
     together = np.column_stack([rigid, shapes]) @ mix
-    return np.sqrt(squares), together, np.r_[-abs(rate) / pace, along] @ mix
+    start = np.column_stack([np.zeros(2), started]) @ mass @ mix
+    return np.sqrt(squares), together, np.r_[rate / pace, along] @ mix, start
 
 
 def with_blow(cycle: CycleLoads, blow: BlowLoads) -> CycleLoads:

@@ -113,6 +113,7 @@ class CycleLoads:
     pace           the coordinate that sets the time
     unresolved     what the positions miss of loads that rise between them
     unstruck       the cycle without the moments of its blows; None where there are none
+    swings         True for one that swings by its blows; `touches` then are those as if slowly
     """
 
     linkage: Linkage
@@ -133,6 +134,12 @@ class CycleLoads:
     conditioning: FloatArray
     unresolved: Unresolved = NOTHING
     unstruck: "CycleLoads | None" = None
+    swings: bool = False
+
+    @property
+    def slowly(self) -> "CycleLoads":
+        """The cycle in which no blow makes the linkage swing, its contacts solved as if slowly."""
+        return self.unstruck if self.swings and self.unstruck is not None else self
 
     @cached_property
     def _kinematics(self) -> Kinematics:

@@ -236,13 +236,14 @@ def _jumps_of(times: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatA
 
 
 def sampled(
-    times: FloatArray, values: FloatArray, rise: float
+    times: FloatArray, values: FloatArray, rise: float, *, smooth: bool = False
 ) -> tuple[FloatArray, FloatArray, float]:
     """Return even times (SAMPLES,) of one period, values there, and the largest jump of them.
 
     times  (n,) s from 0, one of them twice where the values jump there; they also jump where the
            end does not meet the start
     rise   s, in which jumps go by a half wave of a cosine, centred where they are
+    smooth  True for cubic splines between the values: their rates are wanted, too
     """
     period = float(times[-1])
     at, jumps = _jumps_of(times, values)
@@ -250,7 +251,14 @@ def sampled(
     # without its jumps the signal is continuous, and the order of equal times does not matter
     steps = np.zeros(len(times))
     steps[1:][np.diff(times) <= 1e-12 * period] = jumps[:-1]
-    result = np.interp(even, times, values - np.cumsum(steps))
+    rest = values - np.cumsum(steps)
+    if smooth:
+        from scipy.interpolate import CubicSpline
+
+        apart = np.append(True, np.diff(times) > 1e-9 * period)
+        result = CubicSpline(times[apart], rest[apart])(even)
+    else:
+        result = np.interp(even, times, rest)
     # the same jump of the cycles before and after, as far as its rise reaches
     turns = max(1, int(np.ceil(rise / (2.0 * period))))
     others = period * np.arange(-turns, turns + 1)

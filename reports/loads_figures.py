@@ -241,6 +241,8 @@ class BlowForceSummary:
     depth    mm that the workpiece is pressed in for good; energy  N mm left in it
     rebound  mm/s; 0 where the bodies stay in touch; until  s for which the blow is followed
     joints   N, largest force of each while the blow is followed
+    count    touches in a cycle that swings by its blows, of which this is the hardest; 0 where it
+             goes on as if slowly
     """
 
     peak: float
@@ -250,6 +252,7 @@ class BlowForceSummary:
     rebound: float
     until: float
     joints: Mapping[str, float]
+    count: int = 0
 
 
 @dataclass(frozen=True)

@@ -159,8 +159,14 @@ def contact_sentence(contact: ContactSummary, cycle: ShownCycle) -> str:
     )
     if contact.deflection > 0.0:
         said += f", the linkage gives way by up to {number(contact.deflection)} {length}"
+    known = [
+        blow.solved
+        for blow in cycle.blows
+        if blow.force == contact.name and blow.solved is not None
+    ]
+    if any(blow.count for blow in known):
+        return f"{said}; it would as if slowly, and swings by its blows in these loads"
     said += f"; {brief(contact.body, 30)} {_held(contact)}"
-    known = any(blow.force == contact.name and blow.solved is not None for blow in cycle.blows)
     return said if known or not contact.energy else f"{said}; the impact is not in these loads"
 
 
@@ -225,9 +231,10 @@ def _blow_force(blow: BlowSummary, solved: BlowForceSummary) -> str:
     joints = ", ".join(
         f"{brief(name, 20)} {number(force)} N" for name, force in solved.joints.items()
     )
+    hardest = f"the hardest of {solved.count} touches in a cycle, " if solved.count > 1 else ""
     return (
-        f"struck at {number(blow.speed)} mm/s{often}: force up to {number(solved.peak * 1e-3)} kN, "
-        f"{gone}{depth}; {leaves}; joints in it up to: "
+        f"{hardest}struck at {number(blow.speed)} mm/s{often}: force up to "
+        f"{number(solved.peak * 1e-3)} kN, {gone}{depth}; {leaves}; joints in it up to: "
         f"{joints}; it stands in these loads"
     )
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import loads
 from ballesta.design.read import read_design
 from ballesta.machine.balance import balance_gates, measured_loads, not_measured
-from ballesta.machine.blows import blow_gates, blows_of, solved_blows, with_blows
+from ballesta.machine.blows import blow_gates, blows_of, transients_of
 from ballesta.machine.drive_speed import evenness_of, speed_assumptions, speed_gates, speed_warnings
 from ballesta.machine.events import event_assumptions, with_events
 from ballesta.machine.shown_loads import shown_cycle, shown_run
@@ -79,8 +79,8 @@ def loads_of_file(
         compliances = _compliances(design, models, say)
         design = with_events(design, masses, compliances)
         solved = solve_cycles(design, masses, compliances)
-        blows = solved_blows(design, solved)
-        struck = with_blows(solved, blows)
+        transients = transients_of(design, solved, every=False)
+        struck, blows = transients.cycles, transients.blows
         measured = measured_loads(design, masses)
         evenness = evenness_of(design, solved)
         gates = [
@@ -98,7 +98,7 @@ def loads_of_file(
         sha256=design.sha256,
         overrides=design.overrides,
         cycles=[
-            shown_cycle(design, struck[name], blows_of(design, cycle, blows.get(name, ())))
+            shown_cycle(design, struck[name], blows_of(design, cycle, blows.get(name)))
             for name, cycle in solved.items()
         ],
         gates=gates,

@@ -1,50 +1,225 @@
 """Blows of a machine's cycles: what strikes where a contact is met, its impulses and forces.
 
-Where the design says how the workpiece answers, the moments of the blow stand among the positions
-of the cycle, so that stresses and fatigue have them (docs/theory/blows.md).
+Where the design says how the workpiece answers, the linkage of a cycle swings by its blows, and
+their moments stand among its positions, so that stresses and fatigue have them
+(docs/theory/blows.md).
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import inf, isinf
 
 import numpy as np
 
 import loads
-from ballesta.machine.quasi_static import with_sections
+from ballesta.machine.quasi_static import (
+    CycleVibration,
+    vibration_of,
+    with_dynamics,
+    with_sections,
+)
 from checks.design.data import Cycle, Design
 from checks.design.errors import DesignError
 from checks.part.part_loads import shown_position
 from checks.result.verdict import Gate
 from checks.result.words import brief, number
 from geometry.parts import LeafPack
+from loads.vibration import closes
 from reports.loads_figures import BlowForceSummary, BlowSummary, JointBlow
 
-Blows = Mapping[str, Sequence[loads.BlowLoads]]
+SWING_ENDS = "lowest", "highest"
+_WAVES = "ring-down of fast modes and stress waves in a blow"
 _AFTER = "swing after a blow, stress waves in it"
 _LEAVES = "leaves that part in it"
 _MISSING = 1e-6
 _TURNED = 0.1  # of the speed: the pose counts as one through a blow
+_REPEATS = 0.02  # of the largest deformation
+_STILL = 0.1
+_SURGE = 0.1  # of its speed: a drive that the swing speeds up and slows by more does not keep it
 _MINUTE = 60.0  # s
 _SOFT = 0.9  # share of the linkage in the compliance of both, above which it pushes back too late
 
 
+@dataclass(frozen=True, eq=False)
+class StruckCycle:
+    """The blows of a cycle whose workpiece is stated.
+
+    blows  of one contact after another, in their order
+    swung  the cycle as the linkage swings by them; None where it does not end as it begins, or the
+           drive does not keep its speed
+    surge  as in SwungCycle
+    """
+
+    blows: tuple[loads.BlowLoads, ...]
+    swung: loads.SwungCycle | None = None
+    surge: float = 0.0
+
+
+Blows = Mapping[str, StruckCycle]
+
+
+@dataclass(frozen=True, eq=False)
+class Transients:
+    """Cycles with vibration, where the design asks for it, and with blows on stated workpieces.
+
+    cycles     with all that
+    smooth     without it; those that swing by their blows without the contact
+    vibration  of these
+    """
+
+    cycles: dict[str, loads.CycleLoads]
+    smooth: Mapping[str, loads.CycleLoads]
+    blows: Blows
+    vibration: Mapping[str, CycleVibration]
+
+
+def transients_of(
+    design: Design,
+    solved: Mapping[str, loads.CycleLoads],
+    known: Mapping[str, CycleVibration] | None = None,
+    pick: str = "",
+    *,
+    every: bool = True,
+) -> Transients:
+    """Return solved cycles with all that is not as if slowly.
+
+    known  vibration, if it is known
+    every  False for the vibration of those cycles alone whose loads it changes
+    pick   "lowest" or "highest" frequency of the swing; "": at the touch
+
+    Raises DesignError where nothing gives way in a blow, or it cannot be followed.
+    """
+    free = _without_struck_contacts(design, solved)
+    asked = {**solved, **free} if every or design.dynamics.apply else free
+    vibration = vibration_of(design, asked) if known is None else dict(known)
+    for name, cycle in free.items() if known is not None else ():
+        response = vibration[name].response if name in vibration else None
+        if response is None or not np.array_equal(response.modes.motion.poses, cycle.poses):
+            vibration |= vibration_of(design, {name: cycle})
+    free = {
+        name: cycle
+        for name, cycle in free.items()
+        if name in vibration and vibration[name].response is not None
+    }
+    smooth = {**solved, **free}
+    result = with_dynamics(design, smooth, vibration)
+    blows = {}
+    for name, cycle in solved.items():
+        met = [one for one in _met(design.cycles[name], cycle) if one[1].struck is not None]
+        if not met:
+            continue
+        try:
+            if name in free:
+                one = _swung(design, cycle, free[name], result[name], vibration[name], met[0], pick)
+            else:
+                one = _struck(design, cycle, met)
+        except loads.LinkageError as error:
+            raise DesignError(
+                design.file, f"cycles.{name}", f"the blow of {met[0][0]}: {error}"
+            ) from error
+        blows[name] = one
+        whole = cycle if one.swung is None else one.swung.loads
+        for blow in reversed(one.blows):
+            whole = loads.with_blow(whole, blow)
+        result[name] = whole
+    return Transients(result, smooth, blows, vibration)
+
+
+def _without_struck_contacts(
+    design: Design, solved: Mapping[str, loads.CycleLoads]
+) -> dict[str, loads.CycleLoads]:
+    """Cycles that run again and again and strike a stated workpiece, without its contact."""
+    found = {}
+    for name, cycle in solved.items():
+        stated = design.cycles[name]
+        met = [one for one in _met(stated, cycle) if one[1].struck is not None]
+        if not met or len(cycle.touches) > 1 or stated.event is not None or not closes(cycle):
+            continue
+        force = met[0][0]
+        touch = cycle.touches[force]
+        if np.isfinite(touch.gap).all() and not touch.touching[0]:
+            found[name] = loads.without_contact(cycle, stated.run, force)
+    return found
+
+
+def _swung(
+    design: Design,
+    touching: loads.CycleLoads,
+    free: loads.CycleLoads,
+    base: loads.CycleLoads,
+    vibration: CycleVibration,
+    met: tuple[str, loads.Contact, int],
+    pick: str,
+) -> StruckCycle:
+    """A cycle that swings by its blows.
+
+    base  the free cycle, with vibration where the design asks for it
+    """
+    assert vibration.response is not None
+    elastic, _, _ = with_sections(design, free)
+    force, law, _ = met
+    _, inertia, known = driven(design, design.cycles[free.name].run.pace)
+    swung = loads.swung_cycle(
+        touching,
+        base,
+        elastic,
+        vibration.response,
+        force,
+        law,
+        design.dynamics.damping,
+        inertia if known else inf,
+        pick,
+    )
+    if swung.surge > _SURGE:
+        return replace(_struck(design, touching, [met]), surge=swung.surge)
+    return StruckCycle(swung.blows, swung, swung.surge)
+
+
+def _struck(
+    design: Design, cycle: loads.CycleLoads, met: Sequence[tuple[str, loads.Contact, int]]
+) -> StruckCycle:
+    """The blows of a cycle that goes on after each as if slowly."""
+    elastic, _, _ = with_sections(design, cycle)
+    _, inertia, known = driven(design, design.cycles[cycle.name].run.pace)
+    found: list[loads.BlowLoads] = []
+    for name, law, k in sorted(met, key=lambda one: one[2]):
+        assert law.struck is not None
+        damping, held = design.dynamics.damping, inertia if known else inf
+        found.append(loads.blow_loads(cycle, elastic, name, k, law.struck, damping, held))
+    return StruckCycle(tuple(found))
+
+
 def blows_of(
-    design: Design, cycle: loads.CycleLoads, solved: Sequence[loads.BlowLoads] = ()
+    design: Design, cycle: loads.CycleLoads, solved: StruckCycle | None = None
 ) -> list[BlowSummary]:
     """Every blow of a solved cycle, in the order in which they come.
 
-    solved  those of the cycle whose forces are known
+    solved  its blows whose forces are known; of a swing the hardest
 
     A contact that appears with a phase, or in which a cycle begins, is not met on the way and no
     blow; nor is one that comes into touch by a deflection while it goes away.
     """
     shown = shown_position(design.cycles[cycle.name], cycle.positions)
-    found = []
-    forces = {one.row: _force(one) for one in solved}
+    found: list[BlowSummary] = []
+    swung = None if solved is None else solved.swung
+    forces = {} if solved is None else {one.row: one for one in solved.blows}
     for name, law, k in _met(design.cycles[cycle.name], cycle):
         summary = _summary(design, cycle, name, law, k, float(shown[k]))
-        found.append(replace(summary, solved=forces.get(k)))
+        one = forces.get(k)
+        if swung is not None:
+            if found:
+                continue  # the swing has its own
+            one = max(swung.blows, key=lambda one: float(one.blow.force.max()), default=None)
+        if one is not None:
+            start, count = float(one.loads.times[0]), len(swung.swing.strikes) if swung else 0
+            summary = replace(
+                summary,
+                time=start,
+                at=float(shown[one.row]),
+                speed=one.speed,
+                solved=_force(one, count),
+            )
+        found.append(summary)
     return sorted(found, key=lambda one: one.time)
 
 
@@ -58,78 +233,84 @@ def _met(stated: Cycle, cycle: loads.CycleLoads) -> Iterator[tuple[str, loads.Co
                 yield name, law, k
 
 
-def solved_blows(design: Design, solved: Mapping[str, loads.CycleLoads]) -> Blows:
-    """Blows whose workpiece is stated, by cycle, in the order in which they come.
-
-    Bodies without stated elasticity give way by the least section of their part. A drive of which
-    no inertia is stated keeps its rate. Raises DesignError where nothing gives way, or a blow
-    cannot be followed.
-    """
-    found: dict[str, list[loads.BlowLoads]] = {}
-    for own, cycle in solved.items():
-        stated = design.cycles[own]
-        for name, law, k in sorted(_met(stated, cycle), key=lambda one: one[2]):
-            if law.struck is None:
-                continue
-            elastic, _, _ = with_sections(design, cycle)
-            _, inertia, known = driven(design, stated.run.pace)
-            try:
-                blow = loads.blow_loads(
-                    cycle,
-                    elastic,
-                    name,
-                    k,
-                    law.struck,
-                    design.dynamics.damping,
-                    inertia if known else inf,
-                )
-            except loads.LinkageError as error:
-                raise DesignError(
-                    design.file, f"cycles.{own}", f"the blow of {name}: {error}"
-                ) from error
-            found.setdefault(own, []).append(blow)
-    return found
-
-
-def with_blows(solved: Mapping[str, loads.CycleLoads], blows: Blows) -> dict[str, loads.CycleLoads]:
-    """Return the cycles with the moments of their blows."""
-    result = dict(solved)
-    for name, own in blows.items():
-        for blow in reversed(own):
-            result[name] = loads.with_blow(result[name], blow)
-    return result
-
-
 def blow_gates(blows: Blows) -> list[Gate]:
     """Validity checks of blows."""
-    return [
-        gate
-        for name, own in blows.items()
-        for gate in (
-            Gate(
-                f"{name}: energy of the blow",
-                max(one.blow.missing for one in own),
-                _MISSING,
-                "energy that is not accounted for, over what the drive and the motion gave",
-            ),
-            Gate(
-                f"{name}: modes in the blow",
-                max(one.blow.unresolved for one in own),
-                1.0,
-                "three periods of the fastest mode over the time of contact: more, and the "
-                "lumped masses are too few for it",
-            ),
-            Gate(
-                f"{name}: pose in the blow",
-                max(one.turned for one in own),
-                _TURNED,
-                "change of the struck point's speed over the drive's, while it presses in",
-            ),
+    return [gate for name, one in blows.items() for gate in _gates(name, one)]
+
+
+def swing_gates(ends: Sequence[Blows]) -> list[Gate]:
+    """Validity checks of swings at the ends of doubts: the worst of each cycle, if it fails."""
+    found: dict[str, Gate] = {}
+    for blows in ends:
+        for name, one in blows.items():
+            if one.swung is None:
+                continue
+            gate = _repeats(f"{name}: swing that repeats, at the ends of doubts", one.swung.swing)
+            if not gate.holds and (name not in found or gate.value > found[name].value):
+                found[name] = gate
+    return list(found.values())
+
+
+def _repeats(name: str, swing: loads.Swing) -> Gate:
+    return Gate(
+        name,
+        swing.changed,
+        _REPEATS,
+        "how far the linkage begins its next cycle otherwise, over its largest deformation, "
+        f"after {swing.turns} cycles: beyond the limit no blow is as the one before, and loads may "
+        "be larger than told",
+        cure="A workpiece that yields (blow.yields), or more damping (dynamics.damping), lets the "
+        "linkage come to rest on it",
+    )
+
+
+def _gates(name: str, struck: StruckCycle) -> Iterator[Gate]:
+    missing = [one.blow.missing for one in struck.blows]
+    if struck.swung is not None:
+        missing.append(struck.swung.swing.missing)
+        yield _repeats(f"{name}: swing that repeats", struck.swung.swing)
+        yield Gate(
+            f"{name}: modes in the swing",
+            struck.swung.still,
+            _STILL,
+            "share of what gives way at the contact in modes that are not among those that swing",
         )
-    ]
+    if struck.surge:
+        yield Gate(
+            f"{name}: speed of the drive in the swing",
+            struck.surge,
+            _SURGE,
+            "range of the work that the swing by the blows asks of the drive over twice its "
+            "kinetic energy: beyond the limit the drive does not keep the speed of the cycle, and "
+            "the loads have the first blow alone",
+            cure="A larger drive.flywheel",
+        )
+    yield Gate(
+        f"{name}: energy of the blow",
+        max(missing),
+        _MISSING,
+        "energy that is not accounted for, over what the drive and the motion gave",
+    )
+    if not struck.blows:
+        return
+    yield Gate(
+        f"{name}: modes in the blow",
+        max(one.blow.unresolved for one in struck.blows),
+        1.0,
+        "three periods of the fastest mode over the time of contact: more, and the lumped masses "
+        "are too few for it",
+    )
+    yield Gate(
+        f"{name}: pose in the blow",
+        max(one.turned for one in struck.blows),
+        _TURNED,
+        "change of the struck point's speed over the drive's, while it presses in",
+    )
 
 
-def blow_subject(design: Design, solved: Mapping[str, loads.CycleLoads]) -> str:
+def blow_subject(
+    design: Design, solved: Mapping[str, loads.CycleLoads], struck: Blows | None = None
+) -> str:
     """The impact as a subject that no check covers, with the heaviest blow's impulse and energy.
 
     Of blows whose workpiece is stated only what comes after them. "" where nothing is struck.
@@ -141,7 +322,9 @@ def blow_subject(design: Design, solved: Mapping[str, loads.CycleLoads]) -> str:
         }
         if known:
             packs = any(isinstance(part.geometry, LeafPack) for part in design.parts.values())
-            after = f"{_AFTER}, {_LEAVES}" if packs else _AFTER
+            swings = all(one.swung for one in (struck or {}).values())
+            after = _WAVES if struck and swings else _AFTER
+            after = f"{after}, {_LEAVES}" if packs else after
         blows += [(name, one) for one in blows_of(design, cycle) if one.time not in known]
     blows = [(name, blow) for name, blow in blows if blow.impulse[1] > 0.0]
     if not blows:
@@ -207,8 +390,8 @@ def _summary(
     )
 
 
-def _force(struck: loads.BlowLoads) -> BlowForceSummary:
-    """A blow's force over time, in figures."""
+def _force(struck: loads.BlowLoads, count: int) -> BlowForceSummary:
+    """A blow's force over time, in figures; one of so many in a cycle."""
     blow = struck.blow
     return BlowForceSummary(
         peak=float(blow.force.max()),
@@ -217,6 +400,7 @@ def _force(struck: loads.BlowLoads) -> BlowForceSummary:
         energy=blow.energy,
         rebound=blow.rebound,
         until=float(blow.times[-1]),
+        count=count,
         joints={
             name: float(np.hypot(*load.force.T).max())
             for name, load in struck.loads.reactions.items()

@@ -28,6 +28,7 @@ class CycleVibration:
     positions    (m,)    as shown, of the frequencies told; unit and name as shown
     frequencies  (m, 3)  Hz, the lowest ones, the drive held; infinite where there are fewer
     response     None where the cycle has no harmonics, `unasked` then says why
+    contact      True where a contact counts as a load
     sections     (body, section) that give way by the section of their part
     rigid        bodies taken as rigid, with the reason where they have a part
     """
@@ -38,6 +39,7 @@ class CycleVibration:
     frequencies: np.typing.NDArray[np.float64]
     response: CycleResponse | None
     unasked: str
+    contact: bool
     sections: tuple[tuple[str, str], ...]
     rigid: tuple[str, ...]
 
@@ -128,6 +130,7 @@ def _vibration(
         found,
         response,
         unasked,
+        bool(cycle.touches),
         sections,
         rigid,
     )
@@ -205,7 +208,7 @@ def quasi_static_gates(design: Design, found: Mapping[str, CycleVibration]) -> l
         worst = vibration.worst
         if worst is None:
             continue
-        applied = design.dynamics.apply and not design.cycles[name].has_contact
+        applied = design.dynamics.apply and not vibration.contact
         gates.append(
             Gate(
                 f"{name}: quasi-static loads",
@@ -231,8 +234,10 @@ def _meaning(design: Design, vibration: CycleVibration, worst: ModeResponse) -> 
     rate = 1.0 / vibration.response.period
     told = ", ".join(_harmonic(one) for one in worst.harmonics)
     jump = contact = ""
-    if design.cycles[vibration.cycle].has_contact:
+    if vibration.contact:
         contact = " The contact counts as a load, not as a support."
+    elif design.cycles[vibration.cycle].has_contact:
+        contact = " Without the contact, by whose blows the linkage swings in the loads."
     if worst.jump > VALID - 1.0:
         jump = f" Its load jumps by {worst.jump:.0%} at once, which " + (
             f"is taken to rise in {number(worst.rise)} s (dynamics.rise): a single sudden jump "
@@ -280,7 +285,7 @@ def assumptions_of(design: Design, found: Mapping[str, CycleVibration]) -> list[
             if design.dynamics.apply:
                 words += "; vibration is not put on its loads"
             result[f"{_table(design, name)}.{name}", words] = None
-        if design.dynamics.apply and design.cycles[name].has_contact:
+        if design.dynamics.apply and vibration.contact:
             words = "vibration is not put on its loads: it would change the force of its contact"
             result[f"cycles.{name}", words] = None
     return list(result)
@@ -301,7 +306,7 @@ def vibration_warnings(
         return []
     warnings = []
     for name, vibration in found.items():
-        if design.cycles[name].has_contact:
+        if vibration.contact:
             why = "it would change the force of the cycle's contact"
         elif vibration.response is None:
             why = vibration.unasked
@@ -333,7 +338,7 @@ def with_dynamics(
     if not design.dynamics.apply:
         return result
     for name, vibration in found.items():
-        if vibration.response is None or design.cycles[name].has_contact:
+        if vibration.response is None or vibration.contact:
             continue
         result[name] = with_vibration(solved[name], vibration.response)
     return result

@@ -8,7 +8,7 @@ import numpy as np
 
 import loads
 from ballesta.machine.balance import measured_loads
-from ballesta.machine.blows import Blows, solved_blows, with_blows
+from ballesta.machine.blows import SWING_ENDS, Blows, Transients, swing_gates, transients_of
 from ballesta.machine.drive_speed import (
     Evenness,
     LoadPair,
@@ -24,9 +24,7 @@ from ballesta.machine.events import with_events
 from ballesta.machine.joint_play import play_pairs
 from ballesta.machine.quasi_static import (
     CycleVibration,
-    vibration_of,
     vibration_warnings,
-    with_dynamics,
 )
 from ballesta.machine.solved_cycles import (
     part_masses,
@@ -101,18 +99,16 @@ def run_machine(
     design = with_events(design, masses, compliances)
     rigid = solve_cycles(design, masses, compliances, store)
     say("loads: vibration of the linkage")
-    vibration = vibration_of(design, rigid)
-    dynamic = with_dynamics(design, rigid, vibration)
-    blows = solved_blows(design, dynamic)
+    transients = transients_of(design, rigid)
     return MachineRuns(
         design=design,
         masses=masses,
-        solved=with_blows(dynamic, blows),
-        blows=blows,
+        solved=transients.cycles,
+        blows=transients.blows,
         measured=measured_loads(design, masses),
         rigid=rigid,
-        vibration=vibration,
-        warnings=vibration_warnings(design, rigid, vibration),
+        vibration=transients.vibration,
+        warnings=vibration_warnings(design, transients.smooth, transients.vibration),
     )
 
 
@@ -158,15 +154,21 @@ def doubts_of(design: Design, machine: MachineRuns) -> MachineDoubts:
         *hitting,
     ]
 
-    def runs(end: Mapping[str, loads.CycleLoads]) -> Runs:
-        dynamic = with_dynamics(design, end, machine.vibration)
-        return {**with_blows(dynamic, solved_blows(design, dynamic)), **machine.measured}
+    ends: list[Transients] = []
 
+    def runs(end: Mapping[str, loads.CycleLoads], pick: str = "") -> Runs:
+        ends.append(transients_of(design, end, machine.vibration, pick))
+        return {**ends[-1].cycles, **machine.measured}
+
+    doubts = [Doubt(pair.words, tuple(map(runs, pair.ends))) for pair in pairs]
+    if any(one.swung for one in machine.blows.values()):
+        words = "natural frequencies in the swing by blows, lowest or highest over the cycle"
+        doubts.append(Doubt(words, tuple(runs(machine.rigid, one) for one in SWING_ENDS)))
     return MachineDoubts(
         evenness,
         {pair.gate for pair in pairs if pair.gate},
-        [*speed_gates(evenness), *unsolved],
-        [Doubt(pair.words, tuple(map(runs, pair.ends))) for pair in pairs],
+        [*speed_gates(evenness), *unsolved, *swing_gates([end.blows for end in ends])],
+        doubts,
         [*speed_assumptions(evenness), *without_fit],
     )
 

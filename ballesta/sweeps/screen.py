@@ -18,10 +18,9 @@ from typing import Any
 import loads
 from ballesta.design.read import read_design
 from ballesta.machine.balance import measured_loads
-from ballesta.machine.blows import solved_blows, with_blows
+from ballesta.machine.blows import transients_of
 from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.events import with_events
-from ballesta.machine.quasi_static import vibration_of, with_dynamics
 from ballesta.machine.solved_cycles import linkage_of, part_masses, told_of_cycle
 from checks.by_formula import formula_checks
 from checks.columns.cylinders import cylinder_checks
@@ -214,7 +213,7 @@ class Screening:
 
     @cached_property
     def _whole(self) -> dict[str, loads.CycleLoads]:
-        return _with_transients(self.design, self._solved)
+        return transients_of(self.design, self._solved, every=False).cycles
 
     def has_stress_of(self, part: Part, solved: Mapping[str, loads.CycleLoads]) -> bool:
         """True for a part as in the design but for its strengths, under the same cycles."""
@@ -236,15 +235,6 @@ class Screening:
         return loads.within(before, (reserve - 1) / 2)
 
 
-def _with_transients(
-    design: Design, solved: Mapping[str, loads.CycleLoads]
-) -> dict[str, loads.CycleLoads]:
-    """The cycles with vibration, where the design asks for it, and with their blows."""
-    if design.dynamics.apply:
-        solved = with_dynamics(design, solved, vibration_of(design, solved))
-    return with_blows(solved, solved_blows(design, solved))
-
-
 def _checked(
     known: Screening,
     design: Design,
@@ -258,7 +248,7 @@ def _checked(
 ) -> Screened:
     masses = part_masses(design, known.models)
     design, solved, afresh = known.solve(design, masses)
-    solved = _with_transients(design, solved)
+    solved = transients_of(design, solved, every=False).cycles
     runs: dict[str, loads.CycleLoads | loads.MeasuredLoads] = {
         **solved,
         **measured_loads(design, masses),

@@ -158,13 +158,30 @@ def rubbed(loaded: LoadedPart) -> Rubbed | str:
     return _SOLVED[loaded]
 
 
+def _slowly(loaded: LoadedPart) -> LoadedPart:
+    """The part with contacts as if slowly in the cycles that swing by blows.
+
+    There a stiffer pack carries more in proportion to its stiffness; where it swings, a speed
+    imposes its force, v sqrt(k m), which grows by the root of it: the band holds that, too.
+    """
+    swinging = (isinstance(run, loads.CycleLoads) and run.swings for run in loaded.runs.values())
+    if not any(swinging):
+        return loaded
+    runs = {
+        name: run.slowly if isinstance(run, loads.CycleLoads) else run
+        for name, run in loaded.runs.items()
+    }
+    return replace(loaded, runs=runs, loads=loads_on(loaded.design, loaded.part, runs))
+
+
 class _Pack:
     """A loaded pack: its cycles with leaves that slide, and what is solved of them by case."""
 
     def __init__(self, loaded: LoadedPart) -> None:
         shape = as_leaves(loaded.part.geometry)
         assert shape is not None
-        self.loaded, self.shape = loaded, shape
+        self.loaded, self.shape = _slowly(loaded), shape
+        loaded = self.loaded
         self.stack = stack_of(loaded, shape)
         self.contact = LeafContact(self.stack)
         self.cycles = {name: self.cycle(name) for name in loaded.loads.cycles}

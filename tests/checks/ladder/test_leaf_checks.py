@@ -348,3 +348,19 @@ def test_the_hammers_leaves_have_60_mpa_at_their_pivot():
     relieved = (force * 427 - (force + other) * 80 / 8) / 2764.8
     assert_allclose(leaf_bending(shape, level, 0.0), relieved, rtol=0.01)
     assert_allclose(leaf_bending(shape, level, -40.0), force * 387 / 2764.8, rtol=0.01)
+
+
+def test_a_pack_that_swings_by_blows_rubs_as_if_slowly(tmp_path, models):
+    """The force of a contact as if slowly is what imposes its deflection, no force of a swing."""
+    elastic = 'elastic = { bending = "340 N m2" }'
+    design, part, cycles, _ = rocker(tmp_path, models, TOUCHES, elastic)
+    known = cycles["press"]
+    efforts = {**known.efforts, "workpiece": 7 * known.efforts["workpiece"]}
+    swung = replace(known, efforts=efforts, swings=True, unstruck=known)
+    assert (swung.slowly, known.slowly) == (known, known)
+    slow, plain = (
+        leaf_friction._Pack(LoadedPart(design, part, loads_on(design, part, runs), runs))
+        for runs in ({"press": swung}, {"press": known})
+    )
+    assert_allclose(slow.cycles["press"].force, plain.cycles["press"].force)
+    assert_allclose(slow.cycles["press"].stress, plain.cycles["press"].stress)
