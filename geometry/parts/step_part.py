@@ -284,7 +284,8 @@ class StepPart(Shape):
         aside = max(float(np.abs(one.centre).max()) for one in cut.between)
         if aside > _STRAIGHT * self.length:
             return (), f"its sections lie up to {aside:.2g} mm beside the line of its holes"
-        return in_stretches(cut.between, self.length), ""
+        ends = [self._place(name) for name in self.interfaces]  # as the linkage compresses it
+        return in_stretches(cut.between, hypot(*(ends[1] - ends[0]))), ""
 
     @property
     def stressed_section(self) -> Pair:
