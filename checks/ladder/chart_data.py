@@ -38,7 +38,7 @@ from checks.strength.finite_life import (
 )
 from checks.strength.fkm_strength import fkm_points, slopes_of
 from checks.strength.part_strength import life_task
-from checks.stress.beyond_even import Setting, beyond_even
+from checks.stress.beyond_even import Setting, beyond_even, known_stacks
 from checks.stress.clearances import values_at
 from checks.stress.duty_verdict import DutyVerdict, FatiguePeak
 from checks.stress.error_bars import Bars, mesh_bar
@@ -332,6 +332,7 @@ _SMOOTH = 0.02  # of a value, by which it may lie off the line through its neigh
 _MOST = 16  # clearances
 _LEAST_LOAD, _MOST_LOAD = 0.7, 2.0  # factors on all loads
 _LOADS = (_LEAST_LOAD, 0.8, 0.9, 1.0, 1.1, 1.2, 1.4, 1.7, _MOST_LOAD)
+_JUMP = 1e-9  # of a factor, to either side of a band's jump
 _ALIKE = 0.1  # of the largest clearances: bores whose ranges are in one proportion
 _ARC_STEP = radians(15.0)
 Row = list[float]
@@ -407,10 +408,11 @@ def _of_clearances(
             if low <= one <= high
         ]
     if loads:
-        few = _LEAST_LOAD, 1.0, _MOST_LOAD
+        jumps = _jumps(contact) if isinstance(what, StaticPeak) else []
+        few = sorted({_LEAST_LOAD, 1.0, _MOST_LOAD, *jumps})
         bent = [_bent(part, what, level, Setting(factor=factor)) for factor in few]
         rows["loads"] = []
-        for factor in _LOADS:
+        for factor in sorted({*_LOADS, *jumps}):
             value = float(np.interp(middle / factor, places, values))
             ends = np.interp([low / factor, high / factor], places, values).tolist()
             ends += [v for one, v in known.items() if low < one * factor < high]
@@ -430,6 +432,13 @@ def _beside(known: Mapping[float, float]) -> set[float]:
         if abs(np.interp(b, (a, c), (before, after)) / value - 1) > _SMOOTH:
             found |= {(a + b) / 2, (b + c) / 2}
     return found
+
+
+def _jumps(contact: Contact) -> list[float]:
+    """Factors just below and above those beyond which a static band has what a bent pin presses."""
+    ends = [s.even_up_to for _, s in known_stacks(contact) if s.is_ductile]
+    found = [factor * side for factor in ends for side in (1 - _JUMP, 1 + _JUMP)]
+    return [factor for factor in found if _LEAST_LOAD < factor < _MOST_LOAD]
 
 
 def _bent(part: Part, what: Judged, level: Level, at: Setting) -> tuple[float, float]:

@@ -102,11 +102,20 @@ class Stack:
         Part, pin and bush are ductile, and the pin holds under even pressure with the safety that
         static checks must have.
         """
+        return self.is_ductile and factor <= self.even_up_to
+
+    @property
+    def even_up_to(self) -> float:
+        """Largest factor on all loads under which the pin holds even pressure as it must."""
+        return self.pin_safety / self.design.require.static
+
+    @property
+    def is_ductile(self) -> bool:
+        """True if part, pin and bush, where its material is stated, are ductile."""
         part = self.design.part_of(self.bore)
         materials = [self.pin.material, self.pin.bushes.get(self.bore)]
         materials += [part.material] if part else []
-        ductile = all(material.ductile for material in materials if material is not None)
-        return ductile and self.pin_safety >= factor * self.design.require.static
+        return all(material.ductile for material in materials if material is not None)
 
     def lugs(self, position: int, tilt: float) -> tuple[list[Lug], int]:
         """Lugs that carry a force, and which of them is the part's: the upper one of a pair.

@@ -142,6 +142,26 @@ def test_what_is_kept_for_other_loads_and_clearances_is_what_a_fresh_solve_finds
     assert_allclose(found, fresh, atol=0.02 * fresh[0])
 
 
+def test_a_static_band_jumps_at_the_load_that_the_pin_no_longer_holds_evenly(tmp_path):
+    """The theorem holds up to 1.25 of the loads: below it no bent pin, above it all that it has."""
+    holds = rod(tmp_path).stack("first").pin_safety / 1.25
+
+    def solved(factor):
+        loaded = rod(tmp_path, overrides=(f"load_factor={factor}", f"require.static={holds}"))
+        level, static = first_level(loaded, Models()), StaticPeak(loaded.loads)
+        return loaded.part, level, static, bars_of(static, loaded.part, [level, level], 0.2)
+
+    part, level, what, bars = solved(1.0)
+    rows = pins_data(part, level, {what: bars}, {})["pins"]["kinds"]["static"]["loads"]
+    found = {
+        factor: factor * np.interp(factor, *np.array(rows)[:, [0, 2]].T) for factor in (1.2, 1.3)
+    }
+    fresh = {factor: solved(factor)[-1] for factor in found}
+    assert fresh[1.2].along.above == 0 < 0.02 * fresh[1.2].along.even < fresh[1.3].along.above
+    for factor, above in found.items():
+        assert_allclose(above, fresh[factor].above, atol=0.02 * fresh[factor].along.even)
+
+
 def test_models_without_contact_have_what_bent_pins_press_in_their_band_as_well(bent, tmp_path):
     """Without a fit a formula and a solid on arcs have as much more in the bore, for its check."""
     fitted, solved = bent
