@@ -39,6 +39,7 @@ from checks.result.verdict import Check, Gate, Status, deciding_of, status_of
 from checks.strength.part_strength import elastic_of
 from checks.stress.solid_mesh_level import Models
 from checks.stress.stress_result import RungModel
+from fem.unit_solutions import Elastic
 from geometry.cad_body import SolidBody
 
 Variation = Mapping[str, Any] | Sequence[str]
@@ -225,14 +226,30 @@ class Screening:
             and all(solved[name] is run for name, run in self._solved.items())
         )
 
-    def spares(self, part: Part, loads: PartLoads, reserve: float) -> bool:
-        """True if a part is as in the design, and its loads leave the half of its reserve."""
+    def spares(self, varied: Design, part: Part, loads: PartLoads, reserve: float) -> bool:
+        """True if a part is as in the design, and its loads leave the half of its reserve.
+
+        So must be what bends the pins in its bores.
+        """
         if part != self.design.parts[part.name] or not reserve > 1:
+            return False
+        if _bent_by(varied, part) != _bent_by(self.design, part):
             return False
         before = self._part_loads.get(part.name)
         if before is None:
             before = self._part_loads[part.name] = loads_on(self.design, part, self._whole)
         return loads.within(before, (reserve - 1) / 2)
+
+
+def _bent_by(design: Design, part: Part) -> list[tuple[Part, list[Elastic]]]:
+    """The pins in a body part's bores, each with how stiff the parts in its stack are."""
+    if part.body is None:
+        return []
+    return [
+        (pin, [elastic_of(one) for lug in pin.interfaces if (one := design.part_of(lug))])
+        for pin in design.parts.values()
+        if pin.joint is not None and pin.joint in part.interfaces.values()
+    ]
 
 
 def _checked(
@@ -262,7 +279,9 @@ def _checked(
             body = known.models.body(part.geometry)
             if parts is not None and part.name not in parts:
                 continue
-            if reserves and known.spares(part, loads_on(design, part, runs), reserves[part.name]):
+            if reserves and known.spares(
+                design, part, loads_on(design, part, runs), reserves[part.name]
+            ):
                 continue
             loaded = LoadedPart.of(design, part, runs, known.models)
             if not known.between:

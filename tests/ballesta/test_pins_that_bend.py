@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose
 
 from ballesta.design.read import read_design
 from ballesta.machine.runs import solved_runs
+from ballesta.sweeps.screen import Screening
 from checks.by_formula import pin_bending
 from checks.derivations.bars import rung_bars, solid_bars
 from checks.design.errors import DesignError
@@ -160,6 +161,20 @@ def test_a_static_band_jumps_at_the_load_that_the_pin_no_longer_holds_evenly(tmp
     assert fresh[1.2].along.above == 0 < 0.02 * fresh[1.2].along.even < fresh[1.3].along.above
     for factor, above in found.items():
         assert_allclose(above, fresh[factor].above, atol=0.02 * fresh[factor].along.even)
+
+
+def test_a_part_with_reserve_is_judged_again_where_a_variation_bends_its_pin_more(tmp_path):
+    """Of aluminium 2.9 times as much. The other change leaves the rod's pin and loads alone."""
+    known = Screening(rod(tmp_path, fits="").design)
+
+    def judged(change, **reserves):
+        checks = known.of([change], ["rod"], reserves=reserves).checks
+        return {check.kind: check.upper for check in checks}
+
+    soft = 'parts.pin.material="6082-T6"'
+    assert judged(soft, rod=4.0)["fatigue"] == judged(soft)["fatigue"]
+    assert judged(soft)["fatigue"] > 1.05 * judged("name='as it is'")["fatigue"]
+    assert not judged("name='as it is'", rod=4.0)
 
 
 def test_models_without_contact_have_what_bent_pins_press_in_their_band_as_well(bent, tmp_path):
