@@ -288,7 +288,9 @@ class _Levers:
         """Factor on all loads, and a check by it whose pins press by contact."""
         lever, kinds = self.load(), self.parts[check.part].charts.get("pins", {}).get("kinds", {})
         own, now = kinds.get(check.kind), float(lever.now)
-        return lever, [own and _by_load(check, own, float(text) / now) for text in lever.changes]
+        if own is None or not isfinite(check.upper):
+            return lever, [None] * len(lever.changes)
+        return lever, [_by_load(check, own, float(text) / now) for text in lever.changes]
 
     def required(self, check: Check) -> Lever | None:
         """Required safety of a check's kind; None where another one is required of it."""

@@ -110,6 +110,22 @@ def test_a_pass_is_not_told_while_a_check_is_not_followed(opened, tmp_path, pres
     found.assert_quiet()
 
 
+def test_a_singular_check_of_contact_is_followed_under_no_other_loads(press):
+    rows = [[0.7, 100.0, 1.0, 1.0], [1.0, 100.0, 1.0, 1.0], [2.0, 100.0, 1.0, 1.0]]
+    pins = {"fits": {}, "kinds": {"static": {"loads": rows, "band": [0.0, 0.0]}}}
+    part = press.parts[0]
+    check = next(check for check in part.checks if check.kind == "static")
+    part = replace(
+        part,
+        gates=[Gate(f"{part.name}{CONTACT}", 0.0, 1.0, "")],
+        charts={"pins": pins},
+        checks=[replace(check, method="solid", numerical=np.inf)],
+    )
+    result = replace(press, parts=[part], linkage=[], gates=[])
+    (told,) = json.loads(what_if(result))["checks"]
+    assert [set(pin["rows"]) for pin in told["pins"]] == [{None}]
+
+
 def table(result, of):
     """Data of the page, and the safeties of a check by its settings."""
     data = json.loads(what_if(result))
