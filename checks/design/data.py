@@ -208,7 +208,7 @@ class Part:
     clearances: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     welds: tuple[Weld, ...] = ()
     bushes: Mapping[str, Material] = field(default_factory=dict)  # of a pin: lug -> its bush's
-    # bore -> "relieved", "crowned" or "run_in" edges, as stated: pressed evenly along
+    # bore -> "run_in" edges, as stated: pressed evenly along
     bore_edges: Mapping[str, str] = field(default_factory=dict)
     fit_assumed: str = ""  # where `clearances` are from if the file states no fit, in words
 

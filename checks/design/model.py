@@ -231,7 +231,7 @@ class WeldEntry(Table):
     )
 
 
-EvenEdges = Literal["relieved", "crowned", "run_in"]  # of a bore or its bush, or of the pin in it
+EvenEdges = Literal["run_in"]
 
 
 class BodyPartEntry(PartEntry):
@@ -255,9 +255,9 @@ class BodyPartEntry(PartEntry):
     )
     bore_edges: dict[str, EvenEdges] = Field(
         default_factory=dict,
-        description="bore = how its edges are made or worn, so that a pin that bends in its stack "
-        "presses evenly along the bore all the same; where it is not stated edges are sharp, and "
-        "the model band holds what a bent pin presses there",
+        description="bore = its edges have run in, so that a pin that bends in its stack presses "
+        "evenly along the bore all the same; where it is not stated edges are sharp, and the model "
+        "band holds what a bent pin presses there",
     )
     contacts: dict[str, ContactEntry] = Field(
         default_factory=dict,

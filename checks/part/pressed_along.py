@@ -96,18 +96,27 @@ class Stack:
         stress = _even_peak(self.shape, tuple((name, one.tobytes()) for name, one in wrenches))
         return self.pin.material.yield_stress / stress if stress else inf
 
+    @cached_property
+    def bush_safety(self) -> float:
+        """Yield stress of the lug's bush over its mean pressure; inf where none is stated."""
+        bush = self.pin.bushes.get(self.bore)
+        seat = next(seat for seat in self.shape.seats if seat.name == self.bore)
+        area = self.shape.neck(seat) * seat.width * len(seat.places)
+        force = float(self.loads.resultant(self.bore).max())
+        return bush.yield_stress * area / force if bush and force else inf
+
     def yields_even(self, factor: float = 1.0) -> bool:
         """True if even pressure is known to be carried once edges yield: the lower bound theorem.
 
-        Part, pin and bush are ductile, and the pin holds under even pressure with the safety that
-        static checks must have.
+        Part, pin and bush are ductile, and pin and bush hold under even pressure with the safety
+        that static checks must have.
         """
         return self.is_ductile and factor <= self.even_up_to
 
     @property
     def even_up_to(self) -> float:
-        """Largest factor on all loads under which the pin holds even pressure as it must."""
-        return self.pin_safety / self.design.require.static
+        """Largest factor on all loads under which pin and bush hold even pressure as they must."""
+        return min(self.pin_safety, self.bush_safety) / self.design.require.static
 
     @property
     def is_ductile(self) -> bool:

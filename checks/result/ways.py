@@ -258,8 +258,7 @@ def _by_edges(result: DesignResult, check: Check, settles: str, part: PartResult
             bushes = ", and the bush.material, one as stiff as steel" * steel
             text = (
                 f"state edges of {' and '.join(bores)} that have run in (bore_edges){bushes}: "
-                f"{check.kind} passes, safety ≥ {number(least, 3)}; relieved and crowned edges "
-                "press evenly along as well"
+                f"{check.kind} passes, safety ≥ {number(least, 3)}"
             )
             stated = [f'parts.{part.name}.bore_edges.{bore}="run_in"' for bore in bores]
             yield Way(

@@ -279,6 +279,19 @@ def test_a_pin_must_hold_the_mean_pressure_of_its_seats(tmp_path):
     assert_allclose(found.pin_safety, found.pin.material.yield_stress * 12 * 2 / force, rtol=1e-9)
 
 
+def test_a_bush_must_hold_its_mean_pressure(tmp_path):
+    """F/(d w) of a bush of 8 mm on a pin of 10 mm."""
+    bush = ', bush = { length = "8 mm", allowable = "100 MPa", material = "CuSn11P" }'
+    stack = STACK.replace('diameter = "12 mm"', 'diameter = "10 mm"')
+    loaded = rod(tmp_path, 12.0, bush, stack, "")
+    force = np.hypot(*loaded.loads.wrenches["first"][:, :2].T).max()
+    found = loaded.stack("first")
+    own = found.pin.bushes["rod"].yield_stress * 10 * 8 / force
+    assert_allclose(found.bush_safety, own, rtol=1e-9)
+    weaker = min(own, found.pin_safety)
+    assert_allclose(found.even_up_to, weaker / loaded.design.require.static, rtol=1e-9)
+
+
 def test_a_bush_that_breaks_keeps_the_elastic_band(tmp_path):
     for name, counts in (("CuSn11P", set()), ("plastic", {"first"})):
         (folder := tmp_path / name).mkdir()
@@ -297,7 +310,7 @@ def test_edges_that_are_stated_to_have_run_in_take_the_bent_pin_out_of_both_band
     """By contact, on arcs and by formula, of a brittle pin as well; what it takes away is told."""
     loaded = brittle(bent[0], "pin")
     level = first_level(loaded, Models())
-    even = run_in(loaded, first="crowned")
+    even = run_in(loaded, first="run_in")
     told = {}
     for kind, what in (("static", StaticPeak(loaded.loads)), ("fatigue", fatigue_use(loaded))):
         was, now = (bars_of(what, one.part, [level, level], 0.2) for one in (loaded, even))
@@ -306,17 +319,17 @@ def test_edges_that_are_stated_to_have_run_in_take_the_bent_pin_out_of_both_band
         assert now.evened == was.along.uneven > what.value(level)
         again = banded(was, what, even.part, level, even.uneven)
         assert (again.above, again.below, again.above_steel) == (now.above, now.below, now.above)
-        assert "its edges are stated as crowned" in now.note
+        assert "its edges are stated as run in" in now.note
         told[kind] = now.evened
     (said,) = edges_words(even, told)
-    assert said.startswith("bore_edges.first = crowned, as stated: pressed evenly along the pin")
+    assert said.startswith("bore_edges.first = run_in, as stated: pressed evenly along the pin")
     assert said.endswith(f"static would be up to {told['static']:.4g} MPa, "
                          f"fatigue would be up to {told['fatigue']:.4g} MPa")  # fmt: skip
-    (said,) = edges_words(run_in(bent[0], first="crowned"), told)
+    (said,) = edges_words(run_in(bent[0], first="run_in"), told)
     assert "static" not in said  # ductile: statics had left it out before
     (said,) = edges_words(run_in(loaded, second="run_in"), told)
     assert "it takes nothing away: no bent pin is known to press there" in said
-    assert "in no band: its edges are stated as crowned" in " ".join(assumed_of(even, level))
+    assert "in no band: its edges are stated as run in" in " ".join(assumed_of(even, level))
     loaded = rod(tmp_path, fits="")
     level, use = first_level(loaded, Models()), fatigue_use(loaded)
     even = run_in(loaded, first="run_in")

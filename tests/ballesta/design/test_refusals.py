@@ -76,7 +76,7 @@ REFUSED = {
     "Poisson": (('[points] ', '[materials.odd]\nyoungs_modulus = "1 GPa"\npoisson_ratio = 0.5\ndensity = "1 t/m3"\nyield_stress = "1 MPa"\nultimate_stress = "2 MPa"\n[points] '), r"materials\.odd\.poisson_ratio: must be above -1 and below 0\.5, got 0\.5"),
     "fit of no bore": ((FITS, 'fits = { kne = "H7/f7" }'), r"bar_upper\.fits\.kne: no bore of the part is named 'kne', did you mean knee\?"),
     "edges of no bore": ((FITS, 'bore_edges = { kne = "run_in" }'), r"bar_upper\.bore_edges\.kne: no bore of the part is named 'kne', did you mean knee\?"),
-    "edges unknown": ((FITS, 'bore_edges = { knee = "runin" }'), r"bar_upper\.bore_edges\.knee: must be 'relieved', 'crowned' or 'run_in', got \"runin\", did you mean run_in\?"),
+    "edges unknown": ((FITS, 'bore_edges = { knee = "runin" }'), r"bar_upper\.bore_edges\.knee: must be 'run_in', got \"runin\", did you mean run_in\?"),
     "fit unknown": ((FITS, 'fits = { knee = "H7/p6" }'), r"bar_upper\.fits\.knee: fits with clearance are known for bores D to H and pins d to h, not p"),
     "clearance below 0": ((FITS, 'fits = { knee = "-0.01 .. 0.02 mm" }'), r"bar_upper\.fits\.knee: must be a clearance of at least 0 mm"),
     "survival of all": ((FITS, 'reliability = "99.99999 %"'), r"bar_upper\.reliability: must be at most 99\.9999 %, got"),
