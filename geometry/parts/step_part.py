@@ -29,6 +29,7 @@ _FACETS = 32  # of a full turn: a circle's second moment to 1.3 %
 _CELLS = 64  # of the whole part
 _MARKS = 500  # of the holes' distance: edges that are nearer along x are one
 _STRAIGHT = 1e-3  # of the outermost holes' distance: how far holes and centroids may lie beside it
+_APART = 1e-6  # mm: sections that are nearer are one
 _STEEP = 0.3  # mm per mm: where centroids climb faster, planes cut the bar askew
 _OF_TWO = 0.3  # of the area at a hole: the smaller side of one lug; forks have four
 _LUG = 0.1  # of a bore: what a pin presses on is as thick, or dishes (docs/theory/buckling.md)
@@ -433,7 +434,7 @@ class BarSlices:
     cuts      (m + 1,) mm, ends of the cells of the whole part
     cells     at the middle of each
     at_holes  at the holes
-    between   between the bores of the outermost holes, wherever an edge of the part ends, too
+    between   between the outermost holes, bores and journals left out, wherever an edge ends, too
     straight  True for a bar whose sections are square to it, without thin lugs
     """
 
@@ -456,8 +457,9 @@ def bar_slices(shape: StepPart) -> BarSlices:
     along = np.sort([float(centre[0]) for centre in centres])
     cuts = fine_cells(np.array([low, *(x for x in along if low < x < high), high]), _CELLS)
     cells = sliced(skin, (cuts[1:] + cuts[:-1]) / 2)
-    bores = {float(c[0]): shape.bore(n) / 2 for n, c in zip(shape.interfaces, centres, strict=True)}
-    first, last = along[0] + bores[along[0]], along[-1] - bores[along[-1]]
+    named = zip(shape.found.values(), centres, strict=True)
+    radii = {float(centre[0]): hole.diameter / 2 for hole, centre in named}
+    first, last = along[0] + radii[along[0]], along[-1] - radii[along[-1]]
     step = max(last - first, 0.0) / _MARKS
     marks = np.unique(np.round(shape.edges[:, 0] / step)) * step if step else cuts[:0]
     places = np.union1d((marks[1:] + marks[:-1]) / 2, [one.place for one in cells])
@@ -465,7 +467,7 @@ def bar_slices(shape: StepPart) -> BarSlices:
     at_holes = sliced(skin, along)
     aside = max(float(np.abs(centre[1:]).max()) for centre in centres)
     straight = aside <= _STRAIGHT * float(along[-1] - along[0]) and _is_bar(
-        between, at_holes, 2 * max(bores.values())
+        between, at_holes, max(shape.bore(name) for name in shape.interfaces)
     )
     return BarSlices(cuts, cells, at_holes, between, straight)
 
@@ -474,7 +476,10 @@ def _is_bar(between: Sequence[Slice], at_holes: Sequence[Slice], widest: float) 
     """True for sections square to the bar, and lugs that are not thin beside the widest bore."""
     if len(between) < 2:
         return False
-    places, centres = np.array([one.place for one in between]), [one.centre for one in between]
-    steep = np.abs(np.gradient(np.array(centres), places, axis=0)).max()
+    places, centres = (
+        np.array([getattr(one, of) for one in between]) for of in ("place", "centre")
+    )
+    apart = np.append(True, np.diff(places) > _APART)
+    steep = np.abs(np.gradient(centres[apart], places[apart], axis=0)).max()
     lugs = [one.weak_area / one.breadth for one in at_holes]
     return bool(steep < _STEEP and min(lugs) > _LUG * widest)
