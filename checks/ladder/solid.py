@@ -47,7 +47,7 @@ from checks.strength.fatigue_facts import fatigue_facts
 from checks.strength.load_doubts import LoadBars, load_bars
 from checks.strength.part_strength import elastic_of, endurance_of, fatigue_use
 from checks.strength.sampling import fatigue_rise, static_rise, with_sampling
-from checks.stress.error_bars import Bars, banded, bars_of, mesh_bar
+from checks.stress.error_bars import Bars, banded, bars_of, mesh_bar, singular_edge
 from checks.stress.judged import Judged, StaticPeak
 from checks.stress.kept_models import judging_seconds
 from checks.stress.solid_mesh_level import Level, Models, solve_level
@@ -212,7 +212,7 @@ def solve_stress(
     def enough(levels: Sequence[Level]) -> str:
         found = judgements_of(levels, judged)
         checks = [one.check for one in found]
-        edges = [one.at_edges if one.bars.numerical.singular else None for one in found]
+        edges = [one.where_singular(levels) for one in found]
         return asked.enough(checks) or known_at_edges(loaded, levels, judged, checks, edges)
 
     def accuracy(levels: Sequence[Level]) -> float:
@@ -259,6 +259,14 @@ class _Judgement:
     bars: Bars
     own: Check | None
     at_edges: Check | NotJudged | None
+
+    def where_singular(self, levels: Sequence[Level]) -> Check | NotJudged | None:
+        """As `at_edges`, of a singular peak; one that grows off the edges may settle."""
+        if not self.bars.numerical.singular:
+            return None
+        if isinstance(self.at_edges, NotJudged) and not singular_edge(self.what, levels)[1]:
+            return replace(self.at_edges, finer=True)
+        return self.at_edges
 
     @property
     def check(self) -> Check:

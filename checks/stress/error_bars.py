@@ -92,7 +92,7 @@ def bars_of(
     clearances = over_clearances(judged, finest)
     values = [judged.value(level) for level in levels]
     sizes = sizes_at_peak(judged, levels)
-    angle, exponent = _singular_edge(judged, levels)
+    angle, exponent = singular_edge(judged, levels)
     own = float(finest.notch_errors[judged.point(finest)])
     order = finest.order(judged.point(finest))
     # while a mesh does not follow a notch yet the peak grows, too, and so does the stress beside a
@@ -300,7 +300,7 @@ def arcs_of(part: Part, level: Level) -> list[float]:
     return [pi] if narrow >= pi else [pi, (pi + narrow) / 2, narrow]
 
 
-def _singular_edge(judged: Judged, levels: Sequence[Level]) -> tuple[float, float]:
+def singular_edge(judged: Judged, levels: Sequence[Level]) -> tuple[float, float]:
     """Interior angle (rad) and exponent of a sharp re-entrant edge that spoils a peak, else 0, 0.
 
     An edge counts if it carries at least half the peak and its largest value moves with the mesh.
