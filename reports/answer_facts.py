@@ -5,7 +5,7 @@ The terminal (`answer_text`) and the first screen of the page write the same fac
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import groupby
+from itertools import groupby, product
 from math import isfinite
 from pathlib import Path
 from shutil import get_terminal_size
@@ -406,8 +406,8 @@ def answer_text(
     report  path that the last line names
 
     Each part has its governing check alone, and parts of one outcome share a row; `verdict_text`
-    has all checks. Of a warning the first sentence stands here; the second warning where the text
-    keeps to 25 lines with it.
+    has all checks. Of a warning the first sentence stands here; the second warning and the third
+    change where the text keeps to 25 lines with them.
     """
     width = max(60, width or get_terminal_size((100, 24)).columns)
     answer = answer_of(result)
@@ -418,18 +418,21 @@ def answer_text(
         bars = f"; {answer.within} within its error bars" if answer.within else ""
         said = f"{answer.safety}, {answer.required} required{bars}"
         lines += labelled("safety", said, width, indent=_INDENT)
-    lines += _facts(_with_place(answer.headline), width)
+    headline = list(_with_place(answer.headline))
     below = _facts(answer.beside, width)
     if answer.rows:
         below += ["", *_table(answer, width)]
     others = f"{answer.others or 'no other check'}; -v tells all"
     below += [f"  {line}" for line in wrap(others, width - 2)]
     below += report_line(report)
-    for most in range(_MOST_WARNINGS, 0, -1):
-        warnings = _facts(_warnings(result, most), width)
-        if len(lines) + len(warnings) + len(below) <= _MOST_LINES:
+    fewer = [headline]
+    if dropped := [fact for fact in headline if fact.label == "or"][1:]:
+        fewer.append([fact for fact in headline if fact not in dropped])
+    for facts, most in product(fewer, range(_MOST_WARNINGS, 0, -1)):
+        above = [*lines, *_facts(facts, width), *_facts(_warnings(result, most), width)]
+        if len(above) + len(below) <= _MOST_LINES:
             break
-    return "\n".join([*lines, *warnings, *below]) + "\n"
+    return "\n".join([*above, *below]) + "\n"
 
 
 def _facts(facts: Iterable[Fact], width: int) -> list[str]:

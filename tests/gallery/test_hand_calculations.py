@@ -7,7 +7,6 @@ calculation leaves out, such as the weight of a link, stands beside its toleranc
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 
 import numpy as np
@@ -439,15 +438,5 @@ def test_forces_and_a_stress_are_those_of_the_hand_calculation(machine):
         assert value.tool == pytest.approx(value.hand, rel=value.tolerance), value.what
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "name",
-    sorted(p.stem for p in GALLERY.glob("*.toml") if not p.with_suffix(".baseline.json").exists()),
-)
-def test_every_machine_without_a_baseline_is_checked_whole_by_formulas(name):
-    """Fatigue and the linkage's buckling with it, which the hand calculations leave out."""
-    result = check_design(read_design(GALLERY / f"{name}.toml"), effort=Effort("formula"))
-    kinds = {check.kind for part in result.parts for check in part.checks}
-    assert {"static", "fatigue"} <= kinds
-    assert all(isfinite(check.value) for check in result.checks)
-    assert bool(result.linkage) == (name != "yoke_actuator")  # it has no bar between two pins
+def test_every_machine_of_the_gallery_has_its_baseline():
+    assert all(path.with_suffix(".baseline.json").exists() for path in GALLERY.glob("*.toml"))
