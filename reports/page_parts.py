@@ -13,8 +13,9 @@ from checks.result.words import brief, check_titles, number
 from reports.answer_facts import Answer, Fact, PartRow
 from reports.charts import Charts, DesignCharts
 from reports.gauge import gauge
-from reports.page_words import Place, doubt_of, place_of, shown_of
-from reports.pictures import PLAIN, Pictures
+from reports.live.payload import estimate_of
+from reports.page_words import Place, capitalise, doubt_of, place_of, shown_of
+from reports.pictures import ESTIMATE, PLAIN, Pictures, stress_field
 
 ORDER = (Status.FAIL, Status.UNDECIDED, Status.PASS)  # worst first
 _ALIKE = 0.01  # of a value: parts that differ by more are told one by one
@@ -35,6 +36,10 @@ _CAPTIONS = {
         "The lowest buckling mode, exaggerated, on the first mesh; the dot moves most",
     ),
 }
+_BY_SECTIONS = (
+    "at most {:.3g} of 1, by formula: stress of the section forces; peaks at bores, fillets and "
+    "pressed edges, which the checks count, are not in it"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,6 +218,12 @@ def _captions(part: PartResult) -> dict[str, tuple[str, str, str]]:
         **_CAPTIONS,
         PLAIN: ("The whole part", "not meshed, without colours of stress", told),
     }
+    estimate = estimate_of(part)
+    if estimate is not None:
+        name = stress_field(estimate)
+        most = _BY_SECTIONS.format(estimate.fields[name][estimate.peak])
+        said = f"{told}. {capitalise(name)}: {most}"
+        captions[ESTIMATE] = ("The whole part", f"coloured by {name}", said)
     if part.meshes or part.surface.is_bare:
         return captions
     beside = f"; of one mesh, to look at: the checks are decided by {decided or 'no model'}"

@@ -19,6 +19,7 @@ from checks.result.verdict import DesignResult, PartResult, Surface
 from checks.result.words import clean
 from geometry.graphics import INSTALL
 from reports.worker import AHEAD, StandingWorker
+from reports.worker import ESTIMATE as ESTIMATE
 from reports.worker import PLAIN as PLAIN
 
 VIEWS = ("whole", "peak")
@@ -31,8 +32,8 @@ _LONGEST = 180.0  # s, to draw the stills of a design
 class Pictures:
     """Pictures that could be drawn, and why the rest could not.
 
-    images  part name -> view ("whole", "peak", and "mode" where one was found; "plain" alone of a
-            part that was not meshed) -> PNG
+    images  part name -> view ("whole", "peak", and "mode" where one was found; of a part that
+            was not meshed "estimate" alone, or "plain" where none is known) -> PNG
     reason  what went wrong and its cure; "" when everything was drawn
     """
 
@@ -82,8 +83,8 @@ def render_stills(
 ) -> Pictures:
     """Stills of each part: all of it, the surroundings of its peak stress, its buckling mode.
 
-    A part that was not meshed is drawn once and in grey: there is no stress on it to show. Surfaces
-    that are alike are drawn once.
+    A part that was not meshed is drawn once: by its utilisation as its section forces estimate it,
+    in grey where that is not known. Surfaces that are alike are drawn once.
 
     One process draws them all, for at most `timeout` seconds of waiting. Its failure is a reason in
     the result, never an exception, and what it had drawn until then is kept.
@@ -193,8 +194,13 @@ def stress_field(surface: Surface) -> str:
 
 def _shown(part: PartResult) -> list[tuple[Surface, Sequence[str]]]:
     """Surfaces of a part, and the views of each."""
+    from reports.live.payload import estimate_of  # else it is loaded beside the check
+
     views = (PLAIN,) if part.surface.is_bare else VIEWS
-    shown: list[tuple[Surface, Sequence[str]]] = [(part.surface, views)]
+    estimate = estimate_of(part)
+    shown: list[tuple[Surface, Sequence[str]]] = [
+        (part.surface, views) if estimate is None else (estimate, (ESTIMATE,))
+    ]
     return shown if part.mode is None else [*shown, (part.mode, (MODE,))]
 
 

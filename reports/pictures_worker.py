@@ -4,9 +4,9 @@ An empty line has it load the graphics libraries, which it else does when a stil
 
 A folder holds jobs.json (field, views) and part_<i>.npz (nodes, triangles, values, peak), and
 receives part_<i>_<view>.png: "peak" from near, any other view of the whole surface, "plain" without
-colours, colour bar and marker. One that holds a file "ahead" is removed, and not answered: the
-parts of a result are drawn beside other work once they are there, and taken from memory when the
-same come again.
+colours, colour bar and marker, "estimate" in the colours of a utilisation. One that holds a file
+"ahead" is removed, and not answered: the parts of a result are drawn beside other work once they
+are there, and taken from memory when the same come again.
 """
 
 import json
@@ -25,7 +25,7 @@ import numpy.typing as npt
 from PIL import PngImagePlugin  # noqa: F401 (each still needs it: loaded beside other work)
 
 from reports.plain_still import FACES, LIGHTING, LINES, MARK, plain_still, sharp_edges
-from reports.worker import AHEAD, PLAIN
+from reports.worker import AHEAD, ESTIMATE, PLAIN
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -110,6 +110,9 @@ def still(data: dict[str, Any], field: str, view: str) -> bytes:
     nodes, triangles, peak = data["nodes"], data["triangles"], int(data["peak"])
     if view == PLAIN:
         return plain_still(nodes, triangles, _ISOMETRIC, SIZE, _SCENE)
+    if view == ESTIMATE:
+        direction, _ = corner_view(nodes, triangles, peak)
+        return plain_still(nodes, triangles, direction, SIZE, _SCENE, data["values"])
     import pyvista as untyped
     from PIL import Image
 

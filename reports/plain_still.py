@@ -1,10 +1,15 @@
-"""Style of a part's surface in pictures, and a grey picture of it without graphics libraries."""
+"""Style of a part's surface in pictures, and pictures without graphics libraries: plain ones.
+
+Grey, or in the colours of a utilisation.
+"""
 
 from io import BytesIO
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+from reports.live.colours import colour_maps, use_colours
 
 LIGHTING = "light kit"
 # Much ambient light: shading tells the shape, and must not change what a colour says.
@@ -26,7 +31,7 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 _FINER = 2  # pixels drawn per pixel shown, each way
-_AMBIENT, _DIFFUSE = 0.6, 0.42
+_AMBIENT, _DIFFUSE = (0.6, 0.8), (0.42, 0.22)  # of grey, of colours
 _LIGHT = np.array([-0.25, 0.45, 0.86])  # towards it: right, up, towards the eye
 _OPACITY = 0.6  # of edges
 _CLEAR = 2e-3  # of the diagonal, by which edges are clear of the faces that they bound
@@ -39,14 +44,16 @@ def plain_still(
     direction: FloatArray,
     size: tuple[int, int],
     scene: float,
+    uses: FloatArray | None = None,
 ) -> bytes:
-    """PNG of a surface in grey on white, seen along parallel lines, z up.
+    """PNG of a surface on white, in grey or by its utilisation, seen along parallel lines, z up.
 
     nodes      (n, 3) mm
     triangles  (m, 3) numbers of nodes
     direction  (3,) unit vector towards the eye, not along z
     size       width and height in pixels
-    scene      share of the width, from the left, that the surface may take
+    scene      share of the width, from the left, that the surface may take; the rest is the scale's
+    uses       (n,) utilisations; None: grey
     """
     from PIL import Image
 
@@ -64,23 +71,48 @@ def plain_still(
             scene * width / 2 + scale * (seen[:, 0] - middle[0]),
             height / 2 - scale * (seen[:, 1] - middle[1]),
             seen[:, 2],
+            *([] if uses is None else [uses]),
         ]
     )
     normals = _normals(seen, triangles)
     depth = np.full(width * height, -np.inf)
-    shade = np.full(width * height, 255.0)
-    pixels, depths, owners = _covered(places[triangles], width, height)
+    shade = np.full((width * height, 1 if uses is None else 3), 255.0)
+    pixels, (depths, *used), owners = _covered(places[triangles], width, height)
     np.maximum.at(depth, pixels, depths)
     front = depths >= depth[pixels]
-    light = _AMBIENT + _DIFFUSE * np.abs(normals @ (_LIGHT / np.linalg.norm(_LIGHT)))
-    shade[pixels[front]] = (GREY * np.minimum(light, 1.0))[owners[front]]
+    some = int(uses is not None)
+    light = _AMBIENT[some] + _DIFFUSE[some] * np.abs(normals @ (_LIGHT / np.linalg.norm(_LIGHT)))
+    end = max(255 / (colour_maps()["use"]["least"] + 0.5), 0.0 if uses is None else uses.max())
+    paint = use_colours(used[0][front], end) if used else np.array([[GREY]])
+    shade[pixels[front]] = paint * np.minimum(light, 1.0)[owners[front], None]
     clear = _CLEAR * float(np.linalg.norm(np.ptp(nodes, axis=0)))
     lines = _drawn(places[_sharp_edges(triangles, normals)], depth, clear, width, height)
     shade[lines] *= 1 - _OPACITY
-    picture = Image.fromarray(np.rint(shade.reshape(height, width)).astype(np.uint8))
+    pixel = np.rint(shade.reshape(height, width, -1)).astype(np.uint8)
+    picture = Image.fromarray(pixel.squeeze()).reduce(_FINER)
+    if uses is not None:
+        _add_scale(picture, scene, end)
     out = BytesIO()
-    picture.reduce(_FINER).save(out, format="PNG")
+    picture.save(out, format="PNG")
     return out.getvalue()
+
+
+def _add_scale(picture: Any, scene: float, end: float) -> None:
+    """Draw the colours of utilisations right of the scene, with the limit and both ends."""
+    from PIL import ImageDraw, ImageFont
+
+    draw, font = ImageDraw.Draw(picture), ImageFont.load_default(16)
+    width, height = picture.size
+    left, right = int((0.8 * scene + 0.2) * width), int((0.6 * scene + 0.4) * width)
+    top, tall = 0.1 * height, 0.8 * height
+    rows = np.arange(int(tall))
+    colours = np.rint(use_colours(end * (1 - rows / tall), end)).astype(int).tolist()
+    for row, colour in zip(rows, colours, strict=True):
+        draw.line([(left, top + row), (right, top + row)], fill=tuple(colour))
+    draw.text((left, top - 8), "estimate", fill="black", font=font, anchor="ls")
+    for use in (0.0, 1.0, end):
+        at = (right + 8, top + tall * (1 - use / end))
+        draw.text(at, f"{use:.3g}", fill="black", font=font, anchor="lm")
 
 
 def _normals(nodes: FloatArray, triangles: IntArray) -> FloatArray:
@@ -99,9 +131,9 @@ def _runs(starts: IntArray, counts: IntArray) -> tuple[IntArray, IntArray]:
 
 
 def _covered(corners: FloatArray, width: int, height: int) -> tuple[IntArray, FloatArray, IntArray]:
-    """Pixels whose middle lies in a triangle, the depth there, and the number of the triangle.
+    """Pixels whose middle lies in a triangle, depth and more there (k, n), the triangle's number.
 
-    corners  (m, 3, 3) x, y in pixels, depth
+    corners  (m, 3, 2 + k) x, y in pixels, depth and what else is linear between them
     """
     tops = np.ceil(corners[:, :, 1].min(axis=1) - 0.5).astype(np.int64).clip(0)
     ends = np.ceil(corners[:, :, 1].max(axis=1) - 0.5).astype(np.int64).clip(max=height)
@@ -122,16 +154,17 @@ def _covered(corners: FloatArray, width: int, height: int) -> tuple[IntArray, Fl
     stops = np.ceil(right - 0.5).astype(np.int64).clip(max=width)
     columns, runs = _runs(starts, np.maximum(stops - starts, 0))
     rows, owners = rows[runs], owners[runs]
-    # depth over x and y: a plane through the corners
+    # over x and y: a plane through the corners
     across, down = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     area = across[:, 0] * down[:, 1] - across[:, 1] * down[:, 0]
     area = np.where(area != 0, area, np.inf)
-    by_x = (across[:, 2] * down[:, 1] - across[:, 1] * down[:, 2]) / area
-    by_y = (across[:, 0] * down[:, 2] - across[:, 2] * down[:, 0]) / area
-    base = corners[:, 0, 2] + (0.5 - corners[:, 0, 0]) * by_x + (0.5 - corners[:, 0, 1]) * by_y
+    one, two, levels = (one[:, 2:].T for one in (across, down, corners[:, 0]))
+    by_x = (one * down[:, 1] - across[:, 1] * two) / area
+    by_y = (across[:, 0] * two - one * down[:, 0]) / area
+    base = levels + (0.5 - corners[:, 0, 0]) * by_x + (0.5 - corners[:, 0, 1]) * by_y
     return (
         rows * width + columns,
-        base[owners] + columns * by_x[owners] + rows * by_y[owners],
+        base[:, owners] + columns * by_x[:, owners] + rows * by_y[:, owners],
         owners,
     )
 

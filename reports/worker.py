@@ -15,7 +15,7 @@ from typing import IO
 from checks.result.words import clean
 from fem.threads import ONE_THREAD
 
-PLAIN = "plain"  # a view
+PLAIN, ESTIMATE = "plain", "estimate"  # views that are drawn without graphics libraries
 AHEAD = "ahead"  # a file of a folder that is not waited for
 
 

@@ -2,13 +2,16 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
 from fem.stress_history import DEVIATOR
 from geometry.mesh import FloatArray, IntArray
+
+if TYPE_CHECKING:
+    from checks.result.verdict import Surface
 
 RealArray = npt.NDArray[np.floating[Any]]
 
@@ -160,12 +163,14 @@ class LiveFields:
 class EncodedPart:
     """A part as a page carries it.
 
-    head  its entry in the header, without its name and the number of its block
-    text  base64
+    head      its entry in the header, without its name and the number of its block
+    text      base64
+    estimate  its utilisation for a still, where it is estimated
     """
 
     head: Mapping[str, Any]
     text: str
+    estimate: "Surface | None" = None
 
 
 def with_required_safety(live: LiveFields, required: float | None) -> LiveFields:

@@ -6,10 +6,17 @@ from typing import Any
 
 import numpy as np
 
-from checks.result.live_fields import EncodedPart, LiveFields, grey, with_required_safety
+from checks.result.live_fields import (
+    EncodedPart,
+    LiveFields,
+    grey,
+    von_mises,
+    with_required_safety,
+)
 from checks.result.motion import PartsMotion
-from checks.result.verdict import DesignResult, PartResult
+from checks.result.verdict import Check, DesignResult, PartResult, Surface, deciding_of
 from reports.live.encode import TOLERANCE, encode
+from reports.page_words import FIELDS, STATIC
 from reports.templating import packed_json, series
 
 FORMAT = "ballesta-live/1"
@@ -79,7 +86,10 @@ def with_encoded_fields(result: DesignResult, budget: Budget = BUDGET) -> Design
         if not encoded[largest].head["fields"]:
             break
         encoded[largest] = encode(_bare(result.parts[largest], encoded, budget), cycles)
-    parts = [replace(part, live=live) for part, live in zip(result.parts, encoded, strict=True)]
+    parts = [
+        replace(part, live=replace(live, estimate=estimate_of(part)))
+        for part, live in zip(result.parts, encoded, strict=True)
+    ]
     return replace(result, parts=parts)
 
 
@@ -104,6 +114,42 @@ def _fields_of(part: PartResult) -> LiveFields | EncodedPart:
         methods = ", ".join(dict.fromkeys(check.method for check in part.checks))
         why = f"decided by {methods or 'no check'}, without a mesh: no stress all over its surface"
     return grey(np.asarray(part.surface.nodes), np.asarray(part.surface.triangles), why)
+
+
+def estimate_of(part: PartResult) -> Surface | None:
+    """Utilisation on a part that was not meshed, as the live view paints it; its name says which.
+
+    That of the check that decides the part, at its position; where the fields have not its own, the
+    static one. None where section forces tell none.
+    """
+    if isinstance(part.live, EncodedPart):
+        return part.live.estimate
+    if part.live is None or not (part.surface.is_bare and part.live.estimated and part.checks):
+        return None
+    check = deciding_of(part.checks)
+    field = FIELDS.get((check.kind, check.unit), STATIC)
+    live = with_required_safety(part.live, part.required_safety("fatigue"))
+    if field in live.fatigue and live.judged:
+        name, values = "fatigue utilisation over the duty", np.asarray(live.fatigue[field], float)
+    else:
+        allowed = _limits(part)
+        limit = allowed[SHARES[field]] if field in SHARES else allowed["allowed"]
+        place = _place(check, live)
+        if not limit or place is None:
+            return None
+        kind = field if field in SHARES else STATIC
+        name, values = f"{kind} utilisation (von Mises)", von_mises(live.at(*place)) / limit
+    if not values.any():
+        return None
+    return Surface(live.nodes, live.triangles, {f"{name}, estimate": values}, int(values.argmax()))
+
+
+def _place(check: Check, live: LiveFields) -> tuple[str, int] | None:
+    """Cycle and position of a check, where it stresses the part most; else the part's worst."""
+    cases = () if check.derivation is None else check.derivation.cases
+    known = [(case.cycle, case.index) for case in cases if case.cycle in live.peaks]
+    known = known or [(cycle, int(peaks.argmax())) for cycle, peaks in live.peaks.items()]
+    return max(known, key=lambda place: live.peaks[place[0]][place[1]], default=None)
 
 
 def _size(encoded: Sequence[EncodedPart]) -> int:

@@ -17,10 +17,8 @@ const hasLimit = ({ field, drawn }) => field in SHARES || (field === "utilisatio
 
 // Light grey where little is used, blue towards 1, and one hard change there, to red. The picture
 // rounds a share of the range to one of 256 colours: `to` is such that the change is at 1.
-const useTable = (most) => {
-  const LOW = [[236, 238, 241], [176, 205, 226], [84, 150, 196], [23, 78, 128]];
-  const HIGH = [[222, 45, 38], [110, 0, 18]];
-  let last = 200; // colour of the largest utilisation that is allowed
+const useTable = (most, { low: LOW, high: HIGH, least }) => {
+  let last = least; // colour of the largest utilisation that is allowed
   while (last > 8 && 255 / (last + 0.5) < most) last -= 1;
   const table = new Uint8Array(768);
   for (let k = 0; k < 256; k++) {
@@ -51,7 +49,7 @@ const rangeOf = ({ drawn, field, shown, section, tables, heads }, unit) => {
   const name = mapOf({ drawn, field, shown });
   const title = `${section.titles[field]}${unit ? ` [${unit}]` : ""}`;
   const bands = shown.bands && name !== "use" ? BANDS : 0; // no band goes across the limit
-  if (name === "use") return { from: 0, ...useTable(to), bands, title };
+  if (name === "use") return { from: 0, ...useTable(to, section.use), bands, title };
   return { from, to, table: tables[name], bands, title };
 };
 

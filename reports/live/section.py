@@ -1,6 +1,5 @@
 """The live view as a section of the page: its markup, data blocks and style, and its tables."""
 
-import json
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from markupsafe import Markup
 from checks.result.motion import motion_gaps
 from checks.result.verdict import DesignResult, PartResult
 from checks.result.words import brief, clean, number, place_text
+from reports.live.colours import colour_maps
 from reports.live.payload import LivePayload, live_payload, motion_text
 from reports.page_words import deciding_place, shown_of
 from reports.templating import environment, json_markup
@@ -119,7 +119,8 @@ def _section_data(result: DesignResult, payload: LivePayload) -> dict[str, Any]:
     first = first_part(result, heads)
     motions = list(result.motion.values())
     return {
-        "maps": {key: table_text(name) for key, (name, _) in MAPS.items()},
+        "maps": {key: colour_maps()[name] for key, (name, _) in MAPS.items()},
+        "use": colour_maps()["use"],
         "titles": {key: short for key, (_, short) in FIELDS.items()},
         "long_titles": {key: long for key, (long, _) in FIELDS.items()},
         "names": [brief(part.name, 60) for part in result.parts],
@@ -194,13 +195,6 @@ def _curve(part: PartResult, cycle: Mapping[str, Any]) -> dict[str, Any] | None:
         "at": int(peaks.argmax()),
         "heights": b64encode(np.rint(255 * shares).astype(np.uint8).tobytes()).decode(),
     }
-
-
-@cache
-def table_text(name: str) -> str:
-    """Colour map of matplotlib as base64 of 256 times red, green, blue."""
-    text = files("reports.live").joinpath("colour_maps.json").read_text(encoding="utf-8")
-    return str(json.loads(text)[name])
 
 
 def _part(

@@ -9,8 +9,10 @@ import psutil
 import pytest
 from PIL import Image
 
+from checks.result.live_fields import LiveFields
 from checks.result.verdict import NOT_MESHED
 from reports import pictures_worker, report_html
+from reports.live.payload import estimate_of, with_encoded_fields
 from reports.pictures import (
     _ahead,
     draw_ahead,
@@ -87,6 +89,58 @@ def test_a_part_that_was_not_meshed_is_grey_without_a_marker_or_a_colour_bar():
     page = report_html(results.design(part), pictures)
     assert "Not meshed: decided by formula." in page
     assert 'alt="The whole part of bar_upper, not meshed, without colours of stress"' in page
+
+
+def formula_part(*, limit=355.0, **check):
+    """A box that a formula decided: the estimated stress grows along x to 200 and 300 MPa."""
+    box = results.box()
+    x = np.asarray(box.nodes)[:, 0]
+    stress, sizes = np.zeros((1, len(x), 6)), np.array([200.0, 300.0])
+    stress[0, :, 0] = x / x.max()
+    live = LiveFields(
+        nodes=box.nodes, triangles=box.triangles, stress=stress, displacement=None,
+        coefficients={"press": sizes[None]}, peaks={"press": sizes},
+        estimated=True, decides=False,
+    )  # fmt: skip
+    surface = replace(box, fields={NOT_MESHED: np.zeros(len(x))})
+    checks = [results.check(method="formula", limit=limit, required=1.5, **check)]
+    return results.part(surface=surface, meshes=[], checks=checks, live=live)
+
+
+@pytest.mark.parametrize(("limit", "red"), [(600.0, False), (300.0, True)])
+def test_a_part_that_a_formula_decided_is_painted_by_its_estimate(limit, red):
+    """300 MPa of 600 / 1.5 allowed is 0.75, in blue; of 300 / 1.5 it is 1.5, red where x > 2/3."""
+    part = formula_part(limit=limit)
+    pictures = render_stills([part])
+    assert pictures.reason == ""
+    assert list(pictures.images[part.name]) == ["estimate"]
+    image = Image.open(BytesIO(pictures.images[part.name]["estimate"])).convert("RGB")
+    pixels = np.asarray(image).astype(int)[:, : int(0.83 * SIZE[0])]
+    r, _, b = pixels[pixels.min(axis=2) < 235].T
+    assert len(np.unique(b - r)) > 20  # grey to blue
+    assert ((r - b) > 60).any() == red
+    shown = with_encoded_fields(results.design(part))
+    page = report_html(shown, pictures)
+    assert f"at most {450 / limit:.3g} of 1, by formula: stress of the section forces" in page
+    assert "Static utilisation (von Mises), estimate" in page
+    again = render_stills(shown.parts)  # as one is drawn whose result was kept without its stills
+    assert again.images == pictures.images
+
+
+def test_the_estimate_is_that_of_the_deciding_check_as_the_live_view_has_it():
+    part = formula_part()
+    used = np.linspace(0.0, 0.5, len(part.live.nodes))
+    live = replace(part.live, fatigue={"utilisation": used}, judged=True)
+    fatigue = results.check(kind="fatigue", value=180.0, limit=150.0, required=1.3)
+    estimate = estimate_of(replace(part, live=live, checks=[*part.checks, fatigue]))
+    assert stress_field(estimate) == "fatigue utilisation over the duty, estimate"
+    assert estimate.fields[stress_field(estimate)] == pytest.approx(1.3 * used)
+    column = formula_part(kind="buckling", value=200.0)
+    assert "column" in stress_field(estimate_of(column))
+    assert estimate_of(replace(column, live=None)) is None
+    assert estimate_of(replace(column, live=replace(live, estimated=False))) is None
+    bearing = formula_part(kind="bearing")  # nothing says how much stress is allowed
+    assert estimate_of(bearing) is None
 
 
 def test_surfaces_that_are_alike_are_drawn_once():

@@ -1,4 +1,4 @@
-"""The grey picture of a part that was not meshed, against what a sphere and a box look like."""
+"""Pictures of a part that was not meshed, against what a sphere and a box look like."""
 
 import sys
 from io import BytesIO
@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from reports.live.colours import use_colours
 from reports.pictures_worker import still
 from reports.plain_still import plain_still
 
@@ -37,6 +38,27 @@ def test_a_box_from_the_front_is_a_rectangle_of_its_sides():
     inner = pixels[rows.min() + 3 : rows.max() - 2, columns.min() + 3 : columns.max() - 2]
     assert np.ptp(inner) == 0  # no edge of the back, no diagonal of a face
     assert pixels[rows.min(), 150] < inner[0, 0]  # an edge is darker
+
+
+def test_utilisations_are_painted_with_one_hard_change_at_1():
+    """From 0 at the left to 2 at the right: the middle is the limit, 1/4 across is 0.5."""
+    png = plain_still(CORNERS, FACES, FRONT, SIZE, 0.8, CORNERS[:, 0] / 20.0)
+    row = np.asarray(Image.open(BytesIO(png))).astype(int)[SIZE[1] // 2]
+    part = np.flatnonzero((row < 250).any(axis=1)[: int(0.8 * SIZE[0])])
+    first, last = part.min(), part.max()
+    red = row[:, 0] > row[:, 2]
+    middle = (first + last) / 2
+    assert not red[first + 3 : int(middle) - 1].any()
+    assert red[int(middle) + 2 : last - 2].all()
+    for share in (0.25, 0.75):
+        shown = row[round(first + share * (last - first))]
+        colour = use_colours(np.array([2 * share]), 2.0)[0]
+        assert shown / colour == pytest.approx(
+            (shown / colour).mean(), abs=0.03
+        )  # but for the light
+    low, below, above = use_colours(np.array([0.0, 1.0, 1.0 + 1e-9]), 2.0)
+    assert low.min() > 230
+    assert np.abs(above - below).max() > 100
 
 
 def test_the_nearer_of_two_boxes_hides_the_farther_whatever_their_order():

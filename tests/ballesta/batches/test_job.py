@@ -1,10 +1,14 @@
 import errno
 import json
 import os
+import re
 from dataclasses import replace
 from hashlib import sha256
+from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 
 from ballesta.batches.job import FolderError, run_job
 from ballesta.batches.outcome import Job
@@ -29,6 +33,17 @@ def test_an_outcome_is_plain_data_with_what_was_set(job):
     assert list(outcome["sources"]) == [job.file]
     assert outcome["mass"] == outcome["masses"]["rod"] > 0
     assert [check["governing"] for check in outcome["checks"]].count(True) == 1
+
+
+def test_the_thumbnail_of_a_part_that_a_formula_decided_shows_its_estimated_stress(job):
+    run_job(replace(job, reports=True, overrides=("load_factor=20",)))
+    folder = Path(job.folder)
+    page = (folder / "report.html").read_text()
+    assert re.search('alt="The whole part of rod, coloured by [^"]*, estimate"', page)
+    assert "peaks at bores, fillets and pressed edges, which the checks count" in page
+    pixels = np.asarray(Image.open(folder / "thumbnail.png").convert("RGB")).astype(int)
+    part = pixels[:, : int(0.83 * pixels.shape[1])]
+    assert (np.ptp(part, axis=2) > 12).mean() > 0.02
 
 
 def test_a_full_disk_is_not_told_as_a_design_s_fault(job, monkeypatch):

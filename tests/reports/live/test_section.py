@@ -14,6 +14,7 @@ from markupsafe import Markup
 from matplotlib import colormaps
 
 from checks.result.verdict import Status
+from reports.live.colours import colour_maps
 from reports.live.payload import live_payload, motion_text
 from reports.live.section import (
     FIELDS,
@@ -23,7 +24,6 @@ from reports.live.section import (
     live_section,
     peak_tables,
     rows_of,
-    table_text,
 )
 from reports.templating import LIVE, series
 
@@ -185,7 +185,7 @@ def test_the_deciding_part_is_shown_first_if_its_stress_is_known():
 def test_colour_maps_are_tables_and_the_safe_ones_grow_lighter():
     """Relative luminance of W3C's WCAG 2.1 grows along viridis and cividis."""
     for name, _ in MAPS.values():
-        table = np.frombuffer(b64decode(table_text(name)), np.uint8).reshape(256, 3) / 255
+        table = np.frombuffer(b64decode(colour_maps()[name]), np.uint8).reshape(256, 3) / 255
         if name in ("viridis", "cividis"):
             linear = np.where(table <= 0.04045, table / 12.92, ((table + 0.055) / 1.055) ** 2.4)
             assert (np.diff((linear @ [0.2126, 0.7152, 0.0722])[::8]) > 0).all()
@@ -194,7 +194,7 @@ def test_colour_maps_are_tables_and_the_safe_ones_grow_lighter():
 def test_colour_maps_are_those_of_matplotlib():
     for name, _ in MAPS.values():
         colours = colormaps[name](np.linspace(0.0, 1.0, 256))[:, :3]
-        table = np.frombuffer(b64decode(table_text(name)), np.uint8).reshape(256, 3)
+        table = np.frombuffer(b64decode(colour_maps()[name]), np.uint8).reshape(256, 3)
         assert (table == np.rint(255 * colours)).all()
 
 
