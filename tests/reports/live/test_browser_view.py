@@ -1,11 +1,14 @@
 """The live view as a reader uses it: parts, positions, fields, colours, turning."""
 
+import re
 from dataclasses import replace
+from importlib.resources import files
 
 import numpy as np
 import pytest
 
 from checks.result.live_fields import von_mises
+from reports.live.colours import colour_maps, use_colours
 from reports.live.payload import live_payload
 
 from . import sections
@@ -329,3 +332,20 @@ def test_a_utilisation_is_grey_below_and_red_over_its_limit(viewed, tmp_path):
     )
     assert quiet < 0.95
     assert red() == 0
+
+
+@pytest.mark.parametrize("most", [0.3, 2.0, 5.0])
+def test_stills_have_the_colours_of_the_live_view(viewed, most):
+    """Each of its 256 colours is that of stills at its utilisation, to the step between two."""
+    script = files("reports.live").joinpath("picture.js").read_text(encoding="utf-8")
+    made = re.search(r"const useTable = .*?\n};\n", script, re.DOTALL)[0]
+    table, to = viewed().page.evaluate(
+        f"([most, stops]) => {{ {made} const {{ table, to }} = useTable(most, stops);"
+        " return [[...table], to]; }",
+        [most, colour_maps()["use"]],
+    )
+    uses = np.linspace(0.0, to, 256)
+    step = np.abs(np.diff(np.reshape(table, (256, 3)), axis=0))
+    last = int((uses <= 1).sum())  # one hard change, at 1
+    assert step.sum(axis=1).argmax() == last - 1
+    assert np.abs(use_colours(uses, to) - np.reshape(table, (256, 3))).max() < 4
