@@ -9,7 +9,7 @@ from math import inf, isfinite
 from markupsafe import Markup
 
 from checks.result.verdict import Check, DesignResult, HandCheck, PartResult, Status, deciding_of
-from checks.result.words import brief, check_titles, number
+from checks.result.words import brief, check_titles, number, utilisation_text
 from reports.answer_facts import Answer, Fact, PartRow
 from reports.charts import Charts, DesignCharts
 from reports.gauge import gauge
@@ -38,7 +38,7 @@ _CAPTIONS = {
 }
 _BY_SECTIONS = (
     "at most {:.3g} of 1, by formula: stress of the section forces; peaks at bores, fillets and "
-    "pressed edges, which the checks count, are not in it"
+    "pressed edges, which the checks count, are not in it: utilisation {} of the check that decides"
 )
 
 
@@ -221,7 +221,8 @@ def _captions(part: PartResult) -> dict[str, tuple[str, str, str]]:
     estimate = estimate_of(part)
     if estimate is not None:
         name = stress_field(estimate)
-        most = _BY_SECTIONS.format(estimate.fields[name][estimate.peak])
+        checked = utilisation_text(deciding_of(part.checks).utilisation)
+        most = _BY_SECTIONS.format(estimate.fields[name][estimate.peak], checked)
         said = f"{told}. {capitalise(name)}: {most}"
         captions[ESTIMATE] = ("The whole part", f"coloured by {name}", said)
     if part.meshes or part.surface.is_bare:

@@ -11,6 +11,7 @@ from PIL import Image
 
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import NOT_MESHED
+from checks.result.words import utilisation_text
 from reports import pictures_worker, report_html
 from reports.live.payload import estimate_of, with_encoded_fields
 from reports.pictures import (
@@ -123,6 +124,8 @@ def test_a_part_that_a_formula_decided_is_painted_by_its_estimate(limit, red):
     page = report_html(shown, pictures)
     assert f"at most {450 / limit:.3g} of 1, by formula: stress of the section forces" in page
     assert "Static utilisation (von Mises), estimate" in page
+    checked = utilisation_text(part.checks[0].utilisation)
+    assert f"are not in it: utilisation {checked} of the check that decides." in page
     again = render_stills(shown.parts)  # as one is drawn whose result was kept without its stills
     assert again.images == pictures.images
 
