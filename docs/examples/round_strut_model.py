@@ -10,11 +10,11 @@ from checks.models.formula_bars import (
     Stretches,
     add_fibres,
     fibre_stress,
-    fine_cells,
 )
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
+from geometry.bars import fine_cells
 
 _STATIONS = 17
 _AROUND = np.radians(np.arange(0.0, 360.0, 45.0))

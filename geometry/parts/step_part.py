@@ -5,19 +5,20 @@ from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from math import cos, degrees, hypot, radians
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from geometry.bars import RulingSection, Section, fine_cells
-from geometry.cad_body import cad_skin
 from geometry.mesh import FloatArray, Interface, MeshError
 from geometry.parameters import ParameterError, check_above
 from geometry.round_faces import Hole
 from geometry.shape import Body, Region, Shape
-from geometry.slices import Slice, in_stretches, sliced
 from geometry.step_file import StepSolid, file_hash, import_solid
 from geometry.step_survey import surveyed
+
+if TYPE_CHECKING:
+    from geometry.slices import Slice
 
 _PARALLEL = radians(0.1)
 _BORE_ELEMENTS = 9.0  # elements along the radius of a named hole, as in the parametric parts
@@ -270,6 +271,8 @@ class StepPart(Shape):
     @cached_property
     def _column(self) -> tuple[Sequence[Section], str]:
         """Its sections as a column, or why it is not known as one, in words."""
+        from geometry.slices import in_stretches
+
         if len(self.holes) != 2:
             return (), "it has more than two holes"
         try:
@@ -439,9 +442,9 @@ class BarSlices:
     """
 
     cuts: FloatArray
-    cells: Sequence[Slice]
-    at_holes: Sequence[Slice]
-    between: Sequence[Slice]
+    cells: Sequence["Slice"]
+    at_holes: Sequence["Slice"]
+    between: Sequence["Slice"]
     straight: bool
 
 
@@ -451,6 +454,9 @@ def bar_slices(shape: StepPart) -> BarSlices:
 
     A batch asks for the same part again and again.
     """
+    from geometry.cad_body import cad_skin
+    from geometry.slices import sliced
+
     skin = cad_skin(shape, _FACETS)
     low, high = float(skin.nodes[:, 0].min()), float(skin.nodes[:, 0].max())
     centres = [shape.centre(name) for name in shape.interfaces]
@@ -472,7 +478,7 @@ def bar_slices(shape: StepPart) -> BarSlices:
     return BarSlices(cuts, cells, at_holes, between, straight)
 
 
-def _is_bar(between: Sequence[Slice], at_holes: Sequence[Slice], widest: float) -> bool:
+def _is_bar(between: Sequence["Slice"], at_holes: Sequence["Slice"], widest: float) -> bool:
     """True for sections square to the bar, and lugs that are not thin beside the widest bore."""
     if len(between) < 2:
         return False

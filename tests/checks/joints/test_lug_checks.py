@@ -32,6 +32,9 @@ stack = [
 """
 
 
+AS_LONG = "points.B=48, 24 mm"  # the rod, as the link of 60 mm
+
+
 def lug_checks(loaded, mesh):
     """Pressure in the holes and shear behind them, of a part with this mesh."""
     found = formula_checks(replace(loaded, bodies=Meshed(mesh)))
@@ -250,7 +253,7 @@ def test_a_hole_without_a_pin_ends_a_plane_and_one_with_a_pin_is_held(tmp_path):
 
 def link_from_cad(tmp_path):
     """A design whose rod is the plate link of 24 x 8 mm as a STEP file, and its mesh."""
-    design = machine(tmp_path)
+    design = machine(tmp_path, PLATE, AS_LONG)
     shape = link_part(link_file(tmp_path))
     part = replace(design.parts["rod"], geometry=shape)
     return design, part, mesh_shape(shape, fineness=0.6)
@@ -276,8 +279,8 @@ def test_a_link_from_cad_is_torn_out_as_the_parametric_one_and_not_where_it_is_p
 def test_a_part_from_cad_is_judged_in_the_direction_that_the_pin_pulls(tmp_path, plate):
     """2000 N across: 14 mm of ligament; at 45 degrees 19.8 mm; along it nothing tears."""
     shape, mesh = plate
-    design = machine(tmp_path)
-    part = replace(design.parts["rod"], geometry=shape, interfaces={"first": "A", "second": "B"})
+    design = machine(tmp_path, PLATE, AS_LONG)
+    part = replace(design.parts["rod"], geometry=shape)
 
     def torn(x, y):
         loads = loads_of({"first": [(x, y, 0)], "second": [(0, 0, 0)]})
