@@ -176,12 +176,17 @@ def blow_force(
     """
     course = Course.steady(speed, len(omega)) if course is None else course
     count = min(_FIRST, len(omega))
-    swings = damping, holds
-    found = _with_modes(omega, shapes, compliance, speed, struck, swings, count, course)
+
+    def with_modes(count: int) -> BlowForce:
+        swings = damping, holds
+        run = run_of(omega, shapes, compliance, speed, struck, swings, count, course)
+        return _followed(run, omega, shapes, struck, count)
+
+    found = with_modes(count)
     while count < len(omega):
         count = min(2 * count, len(omega))
         before = found
-        found = _with_modes(omega, shapes, compliance, speed, struck, swings, count, course)
+        found = with_modes(count)
         sizes = zip(_sizes(before, omega), _sizes(found, omega), strict=True)
         settled = all(abs(one - other) <= _SETTLED * other for one, other in sizes)
         if settled and found.unresolved <= 1.0:
@@ -195,22 +200,11 @@ def _sizes(blow: BlowForce, omega: FloatArray) -> tuple[float, float, float]:
     return float(blow.force.max()), blow.impulse, float(deformed.max())
 
 
-def _with_modes(
-    omega: FloatArray,
-    shapes: FloatArray,
-    compliance: float,
-    speed: float,
-    struck: Struck,
-    swings: tuple[float, float],
-    count: int,
-    course: Course,
+def _followed(
+    run: "BlowRun", omega: FloatArray, shapes: FloatArray, struck: Struck, count: int
 ) -> BlowForce:
-    """The blow with the lowest modes alone; the others yield without mass.
-
-    swings  damping, and time for which the pose holds
-    """
+    """The blow with the lowest modes alone; the others yield without mass."""
     follow = shapes[count:] / omega[count:] ** 2
-    run = run_of(omega, shapes, compliance, speed, struck, swings, count, course)
     times, states = run.followed()
     force = run.forces(times, states)
     modal = np.concatenate([states[:, :count], force[:, None] * follow], axis=1)
@@ -241,7 +235,10 @@ def run_of(
     count: int,
     course: Course,
 ) -> "BlowRun":
-    """Return the run of the lowest modes, and of the anvil; the other modes yield without mass."""
+    """Return the run of the lowest modes, and of the anvil; the other modes yield without mass.
+
+    swings  damping, and time for which the pose holds
+    """
     left = (shapes[count:] / omega[count:]) ** 2
     own, along = omega[:count], shapes[:count]
     still = 0.0

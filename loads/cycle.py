@@ -387,15 +387,7 @@ def forces_again(known: CycleLoads, linkage: Linkage, cycle: Cycle) -> CycleLoad
     kinematics, solutions = Kinematics(linkage), []
     for k, phase in enumerate(cycle.phases):
         rows = np.flatnonzero(known.phase_of == k)
-        motion = Motion(
-            kinematics,
-            cycle.coordinate,
-            known.positions[rows],
-            known.poses[rows],
-            known.velocities[rows],
-            known.accelerations[rows],
-            known.heading[rows],
-        )
+        motion = known.motion(kinematics, cycle.coordinate, rows)
         try:
             solutions.append(solve_laws(motion, phase.given, phase.solve)[1])
         except LinkageError as error:

@@ -150,6 +150,18 @@ class CycleLoads:
         self.linkage.body(body)
         return self.linkage.body_names.index(body)
 
+    def motion(self, kinematics: Kinematics, coordinate: Coordinate, rows: IntArray) -> Motion:
+        """Return the motion at some positions, to solve other forces at its rates."""
+        return Motion(
+            kinematics,
+            coordinate,
+            self.positions[rows],
+            self.poses[rows],
+            self.velocities[rows],
+            self.accelerations[rows],
+            self.heading[rows],
+        )
+
     def point(self, body: str, point: str) -> FloatArray:
         """Return where a point of a body is over the cycle (n, 2) [mm]."""
         return self._kinematics.point(self.poses, body, point)

@@ -29,7 +29,7 @@ from loads.forces import ForceSolution, one_after_another, unit_forces
 from loads.harmonics import SAMPLES, CycleResponse, sampled
 from loads.kinematics import Kinematics
 from loads.laws import Contact
-from loads.motion import Motion, differentiate
+from loads.motion import differentiate
 from loads.phases import Cycle
 from loads.vibration import (
     grown,
@@ -419,15 +419,8 @@ def without_contact(known: CycleLoads, cycle: Cycle, force: str) -> CycleLoads:
         left = (known.accelerations[rows] - bend)[:, others] / scale
         change = (first * left).sum(axis=(1, 2)) / (first**2).sum(axis=(1, 2))
         accelerations[rows] = bend + way.first * change[:, None, None]
-        motion = Motion(
-            kinematics,
-            cycle.coordinate,
-            known.positions[rows],
-            known.poses[rows],
-            known.velocities[rows],
-            accelerations[rows],
-            known.heading[rows],
-        )
+        moved = replace(known, accelerations=accelerations)
+        motion = moved.motion(kinematics, cycle.coordinate, rows)
         laws = {**phase.given, force: 0.0} if force in phase.given else phase.given
         solutions.append(solve_laws(motion, laws, phase.solve)[1])
     whole = one_after_another(solutions)
