@@ -43,7 +43,7 @@ demo: $(READY)
 # Each process takes one thread (tests/conftest.py): threads of their own would wait for each other.
 # The tests of a file stay in one process, which shares what a module has computed; slow tests, each
 # as long as a file, are shared out one by one. What lasts longest begins (tests/longest_first.py).
-SHARED := --maxprocesses 4 --durations 15 --durations-min 5
+SHARED := --maxprocesses 4 --max-worker-restart 0 --durations 15 --durations-min 5
 # Browsers, batches and supervised commands wait an eighth of the time: one process more than cores.
 ONE_MORE := $$($(BIN)/python -c 'import os; print(os.cpu_count() + 1)')
 
