@@ -23,7 +23,7 @@ from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
 from loads.cycle_loads import CycleLoads
 from loads.elasticity import LoadState, beam_loads, section_forces, wrenches_on
 from loads.forces import ForceSolution, JointLoad, unit_forces
-from loads.joints import Angle, Coordinate, Distance, Force, PointCoordinate
+from loads.joints import Angle, Coordinate, Distance, Force, PointCoordinate, Revolute
 from loads.kinematics import Kinematics, rotated, turned_left
 from loads.linkage import Linkage
 from loads.motion import Motion, coordinate_share
@@ -324,14 +324,30 @@ def grown(load: JointLoad, unit: JointLoad, size: FloatArray) -> JointLoad:
 
 
 def _held(linkage: Linkage, hold: Coordinate) -> tuple[Linkage, str]:
-    """Return the linkage without friction, and the name of a force along the held coordinate."""
+    """Return the linkage without friction, and the name of a force along the held coordinate.
+
+    An angle that no torque drives is held at the pin about which its body turns.
+    """
     linkage.check_coordinate(hold, "held coordinate")
     bare = replace(linkage, friction={})
     for force in linkage.forces:
         if same_coordinate(force.coordinate, hold):
             return bare, force.name
+    if isinstance(hold, Angle) and hold.point is None:
+        hold = replace(hold, point=_pivot(linkage, hold))
     name = f"hold {hold.label}"
     return replace(bare, forces=(*bare.forces, Force(name, hold))), name
+
+
+def _pivot(linkage: Linkage, angle: Angle) -> str | None:
+    """Return the pin between the bodies of an angle, or else the first pin of its body."""
+    pins = [
+        joint
+        for joint in linkage.joints
+        if isinstance(joint, Revolute) and angle.body in (joint.body_a, joint.body_b)
+    ]
+    pins.sort(key=lambda joint: angle.relative_to not in (joint.body_a, joint.body_b))
+    return pins[0].point if pins else None
 
 
 def same_coordinate(one: Coordinate, other: Coordinate) -> bool:

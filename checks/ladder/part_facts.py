@@ -9,7 +9,7 @@ import fatigue
 from checks.design.data import Part
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
-from checks.part.pressed_along import Stack, why_even
+from checks.part.pressed_along import SOFT_LUGS, Stack, why_even
 from checks.result.verdict import Gate
 from checks.result.words import CONTACT
 from checks.stress.beyond_even import unevenness
@@ -205,8 +205,8 @@ def _contact_words(level: Level, contact: Contact, part: Part) -> list[str]:
             "of the middle, the model band holds all of them"
         )
         if name in along:
-            bends = f"; the pin bends, which presses {along[name]} at the peak's position"
-            words += f"{bends}, {_in_band(part, name, fit.stack)}"
+            words += f"; the pin bends ({SOFT_LUGS}), which presses {along[name]} at the peak's "
+            words += f"position, {_in_band(part, name, fit.stack)}"
         words += "; both cheeks carry the same share" if _cheeks(contact, name) else ""
         said.append(words)
     return said

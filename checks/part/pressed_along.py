@@ -2,7 +2,8 @@
 
 Contact is solved with an even pressure along the pin. Where the design has the pin and its stack,
 the line load along it is solved, too (fem/contact/line_load.py), with the least clearance of the
-fit and other lugs free to tilt, which bend it most; the part's own cheeks tilt as its mesh does.
+fit and other lugs as soft as slender forks, which bend it most; the part's own cheeks tilt as its
+mesh does.
 The judged stress under that pressure is the model band's. Pins with lugs on one side are left out.
 
 What edges have more than under even pressure counts in no band where they are stated to have run
@@ -31,7 +32,11 @@ from geometry.mesh import FloatArray
 from geometry.parts import Pin
 from geometry.parts.pin import as_pin
 
-_FREE = 1e4  # times a strip's: lugs that tilt as they like
+_FREE = 1e4  # times a strip's: own lugs that tilt as they like
+# Times a strip's: lugs of other parts, whose shape is seldom stated. A fork's cheek three times as
+# long as wide, weakened by its hole as the one beside CalculiX (docs/theory/contact.md).
+_SOFT = 3 * 1.3
+SOFT_LUGS = "lugs of other parts tilt no more than a fork's cheeks three times as long as wide"
 _ALIKE = 1e-6  # of the mean line load
 UNSTATED = 210e3, 0.3  # MPa and 1, of bushes whose material is not stated: steel's
 _NOTHING = 1e-6  # of the largest force in a stack: a lug that carries none
@@ -153,7 +158,7 @@ class Stack:
                 self.clearance,
                 lining_in(self.design, self.pin, seat.name),
             )
-            way = tilt if seat.name == self.bore else _FREE * _bent(lug)
+            way = tilt if seat.name == self.bore else _SOFT * _bent(lug)
             found.append(replace(lug, tilt=way) if seat.paired else lug)
         return found, own
 

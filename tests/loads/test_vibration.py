@@ -9,11 +9,13 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.linalg import eigh
 
 from loads import (
+    GROUND,
     Angle,
     BeamCompliance,
     Body,
     Fixed,
     JointCompliance,
+    Linkage,
     LinkageError,
     MatrixCompliance,
     Revolute,
@@ -31,6 +33,7 @@ from .transforms import in_mm_and_tonnes
 from .vibrating import frequencies, on_carrier, springs
 
 EI, EA, LENGTH, MASS = 2.0e9, 3.0e7, 800.0, 5e-3
+TILTED = np.cos(0.3), np.sin(0.3)
 
 
 def cantilever(body, tip=None, bending=EI, axial=EA):
@@ -208,6 +211,24 @@ def test_the_rockers_mass_slows_the_hammers_ram_as_rayleigh_has_it():
     expected = np.sqrt(tip_stiffness(ram) / (39.85 + added)) / (2 * np.pi)
     assert_allclose(modes.frequencies[0, 0], expected, rtol=1e-3)
     assert expected < 5.60
+
+
+def test_an_angle_that_no_torque_drives_is_held_at_its_pin():
+    """A pedal with a mass m at its end L from the pin: a cantilever's sqrt(3 E I/(m L3))."""
+    points = {"O": (0.0, 0.0), "E": (LENGTH, 0.0)}
+    pedal = Linkage(
+        bodies=(
+            Body(GROUND, {"O": (0.0, 0.0)}),
+            Body("pedal", points),
+            Body("tip", {"E": (0.0, 0.0)}, MASS),
+        ),
+        joints=(Revolute("pin", GROUND, "pedal", "O"), Fixed("tip", "pedal", "tip", "E")),
+        forces=(),
+        assembled={"pedal": (0.0, 0.0, 0.3), "tip": (*LENGTH * np.array(TILTED), 0.3)},
+        compliance=(BeamCompliance("pedal", bending=EI),),
+    )
+    found, _ = frequencies(pedal, Angle("pedal"))
+    assert_allclose(found[0], np.sqrt(3 * EI / (MASS * LENGTH**3)) / (2 * np.pi), rtol=1e-9)
 
 
 def test_frequencies_do_not_depend_on_the_units_of_the_linkage():
