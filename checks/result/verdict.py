@@ -26,6 +26,10 @@ class Status(StrEnum):
     FAIL = "FAIL"
 
 
+_NUMBERS = ("value", "numerical", "model", "model_below", "limit", "required", "sampling", "loads",
+            "loads_below", "span")  # fmt: skip
+
+
 @dataclass(frozen=True)
 class Check:
     """One line of the verdict: demand with its bars against a limit with its required safety.
@@ -76,6 +80,9 @@ class Check:
     derivation: "Derivation | None" = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
+        for name in _NUMBERS:  # NumPy writes its own numbers otherwise
+            value = getattr(self, name)
+            object.__setattr__(self, name, None if value is None else float(value))
         if not self.required > 0 or not self.limit > 0:
             raise ValueError(f"{self.part} {self.kind}: limit and required safety must be above 0")
         if not isfinite(self.value) or self.value < 0:

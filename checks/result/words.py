@@ -64,7 +64,7 @@ def number(value: object, digits: int = 3, rounding: str = ROUND_HALF_EVEN) -> s
         return "∞" if value > 0 else "-∞" if isinf(value) else "not a number"
     if value == 0:
         return "0"
-    exact = Decimal(repr(value))
+    exact = Decimal(repr(float(value)))
     rounded = exact.quantize(Decimal(1).scaleb(exact.adjusted() - digits + 1), rounding)
     if not 1e-4 <= abs(value) < 1e6:
         return f"{float(rounded):g}"
@@ -109,7 +109,7 @@ def utilisation_text(utilisation: float) -> str:
     """Utilisation to two decimals, rounded up so that it never looks better than it is."""
     if not utilisation < _LONGEST_UTILISATION:
         return number(utilisation, 3, ROUND_CEILING)
-    return str(Decimal(repr(utilisation)).quantize(Decimal("0.01"), ROUND_CEILING))
+    return str(Decimal(repr(float(utilisation))).quantize(Decimal("0.01"), ROUND_CEILING))
 
 
 def need_text(required: float) -> str:

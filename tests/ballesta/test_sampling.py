@@ -9,7 +9,7 @@ import pytest
 from ballesta.pipeline import check_file
 from checks.design.effort import Effort
 from checks.result.verdict import Check
-from checks.strength.sampling import MARGIN, PIECES, finer, sampled, with_sampling
+from checks.strength.sampling import MARGIN, PIECES, finer, sampled
 
 from ..small_machine import loads_of
 
@@ -145,9 +145,3 @@ class TestThePlacesBetween:
 
         (check,) = sampled(moment, sliding)
         assert check.sampling == pytest.approx(MARGIN * (1 / 4 - 12 / 49), rel=1e-6)
-
-
-def test_a_bar_is_a_plain_number():
-    """Reports write numbers as Python does; numpy's are written otherwise."""
-    (check,) = largest(along([1.0, 2.0, 1.0]))
-    assert type(with_sampling(check, np.float64(0.1)).numerical) is float

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from checks.result.verdict import NOT_MESHED, Check, Status
+from reports.page_words import reach_words
 
 from ...reports import results
 from ...reports.test_derivation import explained
@@ -19,6 +20,14 @@ def test_the_ends_of_the_bars_hold_both_bars():
     open_ended = replace(check, numerical=inf)
     assert (open_ended.upper, open_ended.lower) == (inf, -inf)
     assert open_ended.status is Status.UNDECIDED
+
+
+def test_numbers_of_numpy_are_written_as_python_writes_them():
+    """The page of a linkage whose bar was one of NumPy's ended with a traceback."""
+    names = ("value", "numerical", "model", "model_below", "limit", "required", "loads", "sampling")
+    check = results.check(**dict.fromkeys(names, np.float64(1.5)))
+    assert {type(getattr(check, name)) for name in names} == {float}
+    assert reach_words(check) == "up to 4.50"
 
 
 def test_a_surface_is_bare_where_nothing_but_its_shape_is_known():
