@@ -64,7 +64,7 @@ def number(value: object, digits: int = 3, rounding: str = ROUND_HALF_EVEN) -> s
         return "∞" if value > 0 else "-∞" if isinf(value) else "not a number"
     if value == 0:
         return "0"
-    exact = Decimal(repr(float(value)))
+    exact = Decimal(repr(value))
     rounded = exact.quantize(Decimal(1).scaleb(exact.adjusted() - digits + 1), rounding)
     if not 1e-4 <= abs(value) < 1e6:
         return f"{float(rounded):g}"
