@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+_NOT_READ = 141  # exit code, 128 + SIGPIPE, as shells report it
 app = typer.Typer(
     name="ballesta",
     help="Finite-element structural and fatigue checks of machine parts under the loads of their "
@@ -517,6 +518,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         with one_thread():
             app(args=None if argv is None else list(argv), standalone_mode=True)
     except SystemExit as stop:
+        if isinstance(stop.__context__, BrokenPipeError):  # `head` has enough: for typer that is 1
+            stop.code = _NOT_READ
         if argv is None:
             raise
         return int(stop.code or 0)

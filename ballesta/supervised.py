@@ -13,7 +13,7 @@ def run(parent: Parent) -> None:
     """Run the command line for a supervisor."""
     gc.set_threshold(_ALLOCATIONS)
     from ballesta.cli import main
-    from ballesta.streams import claim_standard_output
+    from ballesta.streams import claim_standard_output, finish_standard_output
 
     order = parent.receive()
     if order is None:  # only to be ready: imports are what takes the time
@@ -24,5 +24,6 @@ def run(parent: Parent) -> None:
     begin(parent, order)
     sys.argv = ["ballesta", *order.argv]
     code = main(order.argv)
+    finish_standard_output()
     gc.freeze()  # all ends with the process: looking for cycles among it takes longer than loads do
     sys.exit(code)

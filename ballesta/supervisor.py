@@ -74,8 +74,6 @@ class _Run:
             self._progress.clear()
             if code >= 0:
                 return code
-            if _signal(-code) == "SIGPIPE":  # who reads the answer has enough of it
-                return 128 - code
             _say(f"the process was killed by signal {_signal(-code)}{_likely(-code)}")
             if not self._told():
                 return GAVE_UP

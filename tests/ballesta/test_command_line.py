@@ -1,5 +1,7 @@
 """The command as a user runs it: output, files, exit codes."""
 
+import errno
+import io
 import json
 import os
 import re
@@ -213,6 +215,18 @@ def test_a_reader_that_has_seen_enough_is_no_error():
     )
     assert b"BrokenPipeError" in complains.stderr
     assert (silent.returncode, silent.stderr) == (0, b"")
+
+
+def test_a_reader_that_has_seen_enough_of_a_long_answer_is_no_verdict(monkeypatch):
+    """1 would be FAIL; where nobody reads, shells report 128 + SIGPIPE = 141."""
+
+    class Unread(io.StringIO):
+        def write(self, _):
+            raise BrokenPipeError(errno.EPIPE, "Broken pipe")
+
+    monkeypatch.setattr(sys, "stderr", io.StringIO())
+    monkeypatch.setattr(sys, "stdout", Unread())
+    assert main(["schema"]) == 141
 
 
 def test_help_imports_nothing_heavy():

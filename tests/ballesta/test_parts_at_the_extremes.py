@@ -65,7 +65,7 @@ def test_a_plan_of_a_part_too_large_for_the_memory_is_refused_as_its_check(tmp_p
 
 
 def test_a_nearly_incompressible_part_breaks_a_binding_gate_and_others_do_not(tmp_path):
-    design = machine(tmp_path)
+    design = machine(tmp_path, PLATE, "accuracy=30 %", "parts.rod.mesh.fineness=0.4")
     part = design.parts["rod"]
     loads, models = loads_on(design, part, solved(design)), Models()
     result = check_solid(LoadedPart(design, part, loads), models)

@@ -1,10 +1,13 @@
 """Meshes of the parts: repeatable, of the CAD body's volume, with the surfaces they claim."""
 
 import hashlib
+import re
 import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from signal import SIGPIPE
+from threading import Thread
 
 import numpy as np
 import pytest
@@ -13,7 +16,7 @@ from numpy.testing import assert_allclose
 from geometry import meshing
 from geometry.curving import moved
 from geometry.mesh import Interface, Mesh, MeshError, boundary_facets
-from geometry.meshing import mesh_shape
+from geometry.meshing import gmsh_session, mesh_shape
 from geometry.parts import Pin, PlateLink, PrismaticTube, Seat, ToggleBar
 from geometry.shape import Body
 
@@ -228,6 +231,23 @@ def test_two_solids_are_refused():
 def test_a_surface_without_a_face_is_refused():
     with pytest.raises(MeshError, match="no face of the body was found for surface 'face'"):
         mesh_shape(Boxes(1))
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="/proc tells it")
+def test_a_pipe_without_a_reader_stays_an_error_in_every_thread():
+    """gmsh lets SIGPIPE end the process: without a word, once a process that draws has died."""
+    ignored = []
+
+    def look():
+        with gmsh_session():
+            status = Path("/proc/self/status").read_text()
+        ignored.append(int(re.search(r"SigIgn:\s*(\w+)", status)[1], 16) >> SIGPIPE - 1 & 1)
+
+    look()
+    thread = Thread(target=look)
+    thread.start()
+    thread.join()
+    assert ignored == [1, 1]
 
 
 def test_a_shape_that_gmsh_cannot_build_is_a_mesh_error():

@@ -40,6 +40,7 @@ def solved_slider_crank(gravity=(0.0, -9810.0), speed=60.0, push=-900.0, rod=ROD
         0.0,
         SteadyPace(angle, speed),
         (Phase("turn", 2 * pi, {"push": push}, "drive"),),
+        n_positions=121,
     )
     return run_cycle(linkage, cycle)
 

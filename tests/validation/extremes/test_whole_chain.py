@@ -66,8 +66,8 @@ def assert_all_are_numbers(result):
 class TestPositions:
     @pytest.mark.parametrize("speed", [10.0, 300.0])
     def test_every_number_is_right_to_its_gate_where_the_gate_holds(self, speed):
-        """Against 1000 positions, which leave 2e-5. The gate is 1 % of the largest load."""
-        exact = values(checked(replace(PLAIN, speed=speed, positions=1000)))
+        """Against 500 positions, which leave 8e-5. The gate is 1 % of the largest load."""
+        exact = values(checked(replace(PLAIN, speed=speed, positions=500)))
         told = []
         for count in (8, 32, 128):
             guise = replace(PLAIN, speed=speed, positions=count)
@@ -75,7 +75,7 @@ class TestPositions:
             wrong = max(abs(found[key] / exact[key] - 1) for key in exact)
             told.append(missed < 0.01)
             # a column's force is missed by up to 1.2 times what is told of the largest load
-            assert wrong < max(1.5 * missed, 1e-4), count
+            assert wrong < 1.5 * missed, count
         assert not told[0]
         assert told[-1]
 
@@ -148,12 +148,11 @@ class TestTheSameMachine:
         assert apart(plain(), result) < 1e-6
         assert statuses(plain()) == statuses(result)
 
-    @pytest.mark.parametrize("start", [0.0, 37.0, 200.0])
+    @pytest.mark.parametrize("start", [0.0, 37.0])
     def test_the_crank_may_start_anywhere(self, start):
-        """Other positions of the same cycle: as far apart as 361 of them leave peaks, 3e-5."""
-        fine = replace(PLAIN, positions=361)
-        one, other = checked(fine), checked(replace(fine, start=start))
-        assert apart(one, other) < 1e-4
+        """Other positions of the same cycle: as far apart as 91 of them leave peaks, 5e-4."""
+        one, other = plain(), checked(replace(FEW, start=start))
+        assert apart(one, other) < 1.5e-3
         assert statuses(one) == statuses(other)
 
     @pytest.mark.slow
@@ -184,7 +183,7 @@ class TestTheSameMachine:
 
 
 class TestSizes:
-    @pytest.mark.parametrize("factor", chain.LOADS)
+    @pytest.mark.parametrize("factor", [1e-6, 1e-3, 1e3, 1e6])
     def test_stress_follows_the_load_over_twelve_decades(self, factor):
         """Round-off, and 1e-9 of the rod's own inertia at a crawl."""
         one, other = values(checked(PUSHED)), values(checked(replace(PUSHED, push=400.0 * factor)))
