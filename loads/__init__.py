@@ -34,6 +34,7 @@ from loads.joints import (
     Prismatic,
     Revolute,
     Slot,
+    shared_pins,
 )
 from loads.kinematics import Kinematics
 from loads.laws import (
@@ -146,6 +147,7 @@ __all__ = [
     "run_at_positions",
     "run_at_rates",
     "run_cycle",
+    "shared_pins",
     "solve_event",
     "solve_forces",
     "split_cycle",

@@ -19,7 +19,7 @@ from loads.contact import Touch, contact_gaps, solve_laws
 from loads.cycle_loads import CycleLoads, unresolved
 from loads.elasticity import check_compliance, second_order
 from loads.forces import ForceSolution, one_after_another
-from loads.joints import Prismatic, Slot
+from loads.joints import Prismatic, Slot, shared_pins
 from loads.kinematics import Kinematics
 from loads.laws import Contact, Expression, Law, Opposing, Table, kinks
 from loads.linkage import Linkage
@@ -64,7 +64,7 @@ def run_cycle(linkage: Linkage, cycle: Cycle) -> CycleLoads:
     tried: list[list[Stretch]] = []
     for _ in range(2):
         tried.append([run.solve(k, grid) for k, grid in enumerate(grids)])
-        grids = _placed(cycle, grids, [stretch.solution for stretch in tried[-1]])
+        grids = _placed(linkage, cycle, grids, [stretch.solution for stretch in tried[-1]])
     stretches = [run.solve(k, run.with_corners(k, grid)) for k, grid in enumerate(grids)]
     return _joined(linkage, cycle, run.timing, stretches, tried)
 
@@ -191,7 +191,8 @@ class Run:
         fine = replace(self.cycle, n_positions=_COARSE)
         grids = _coarse(self.cycle)
         solutions = [self.solve(k, grid).solution for k, grid in enumerate(grids)]
-        grids = [self.with_corners(k, g) for k, g in enumerate(_placed(fine, grids, solutions))]
+        placed = _placed(self.path.kinematics.linkage, fine, grids, solutions)
+        grids = [self.with_corners(k, g) for k, g in enumerate(placed)]
         return [self.path.at(with_points(grid)) for grid in grids]
 
     @contextmanager
@@ -277,11 +278,11 @@ def _check_ends(linkage: Linkage, geometry: Geometry) -> None:
 
 
 def _placed(
-    cycle: Cycle, grids: list[FloatArray], solutions: list[ForceSolution]
+    linkage: Linkage, cycle: Cycle, grids: list[FloatArray], solutions: list[ForceSolution]
 ) -> list[FloatArray]:
     """Return grids on which every step has the same share of the way plus the change of loads."""
     ways = [np.abs(np.diff(grid)) for grid in grids]
-    changes = [np.linalg.norm(np.diff(s.vector, axis=0), axis=1) for s in solutions]
+    changes = [_changes(linkage, solution) for solution in solutions]
     way, change = (sum(float(part.sum()) for part in parts) for parts in (ways, changes))
     result = []
     for grid, step, jump in zip(grids, ways, changes, strict=True):
@@ -294,6 +295,26 @@ def _placed(
         placed[0], placed[-1] = grid[0], grid[-1]
         result.append(placed)
     return result
+
+
+def _changes(linkage: Linkage, solution: ForceSolution) -> FloatArray:
+    """Return the change of all reactions (n - 1,) from position to position, N.
+
+    A pin of three bodies and more counts by half the squares of its forces on them, as one of two
+    does whose force counts once: what its joints hold depends on which bodies they pair.
+    """
+    squares = np.sum(np.diff(solution.vector, axis=0) ** 2, axis=1)
+    for pin in shared_pins(linkage.joints):
+        if len(pin) < 2:
+            continue
+        on: dict[str, FloatArray] = {}
+        for joint in pin:
+            step = np.diff(solution.joints[joint.name].force, axis=0)
+            squares -= np.sum(step**2, axis=1)
+            for body, sign in ((joint.body_a, -1.0), (joint.body_b, 1.0)):
+                on[body] = on.get(body, 0.0) + sign * step
+        squares += sum(np.sum(step**2, axis=1) for step in on.values()) / 2
+    return np.asarray(np.sqrt(np.maximum(squares, 0.0)))
 
 
 def _joined(

@@ -1,5 +1,6 @@
 """Joints between bodies, coordinates that measure bodies, forces and friction."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from math import degrees, hypot, inf, isfinite
 from typing import ClassVar
@@ -91,6 +92,25 @@ class Prismatic(_OnLine):
 
 
 Joint = Revolute | Prismatic | Slot | Fixed
+
+
+def shared_pins(joints: Iterable[Joint]) -> list[list[Revolute]]:
+    """Return the pins of a linkage, each as the joints that pair the bodies on it.
+
+    One joint fewer than bodies; which bodies they pair is up to who wrote them.
+    """
+    pins: list[list[Revolute]] = []
+    for joint in joints:
+        if isinstance(joint, Revolute):
+            on = [pin for pin in pins if any(_on_one_pin(joint, other) for other in pin)]
+            pins = [pin for pin in pins if pin not in on]
+            pins.append([*(other for pin in on for other in pin), joint])
+    return pins
+
+
+def _on_one_pin(one: Revolute, other: Revolute) -> bool:
+    bodies = {one.body_a, one.body_b} & {other.body_a, other.body_b}
+    return one.point == other.point and bool(bodies)
 
 
 @dataclass(frozen=True)

@@ -160,15 +160,32 @@ class JointRows:
             if isinstance(joint, loads.Prismatic | loads.Slot):
                 a, b, normal = self.contact(placed, joint, k)
                 found.append(slide(a, b, normal, self._slide_holds(joint, stiff)))
-                continue
-            a, b = (self.motion(placed, body, joint.point) for body in (joint.body_a, joint.body_b))
-            if isinstance(joint, loads.Fixed):
+            elif isinstance(joint, loads.Fixed):
+                ends = joint.body_a, joint.body_b
+                a, b = (self.motion(placed, body, joint.point) for body in ends)
                 found.append(b.rows - a.rows)
-            else:
-                axis = None if stiff else self._soft_axis(placed, joint)
-                found.append(pin(a, b, axis))
+        for point, (first, *others) in self._pins:
+            a = self.motion(placed, first, point)
+            for body in others:
+                axis = None if stiff else self._soft_axis(placed, first, body)
+                found.append(pin(a, self.motion(placed, body, point), axis))
         found.append(self._drive(placed))
         return np.vstack(found)
+
+    @cached_property
+    def _pins(self) -> list[tuple[str, list[str]]]:
+        """Points with all bodies that turn on one pin there, the ground or a guided one first.
+
+        Which of them a linkage's joints pair depends on the order of its bodies.
+        """
+        found = []
+        for joints in loads.shared_pins(self.model.linkage.joints):
+            bodies = dict.fromkeys(body for one in joints for body in (one.body_a, one.body_b))
+            found.append((joints[0].point, sorted(bodies, key=self._is_moving)))
+        return found
+
+    def _is_moving(self, body: str) -> bool:
+        return body not in self._supports
 
     def _slide_holds(self, joint: loads.Prismatic | loads.Slot, stiff: bool) -> tuple[int, ...]:
         guided = isinstance(joint, loads.Prismatic)
@@ -179,19 +196,17 @@ class JointRows:
             return (_TURN, *sideways) if guided else sideways
         return (_TURN, _SIDEWAYS, *_TILTS) if guided else (_SIDEWAYS,)
 
-    def _soft_axis(self, placed: PlacedLinks, joint: loads.Revolute) -> FloatArray | None:
-        """The axis about which a soft fork still holds: of the body at ground or guide."""
-        supports = self._supports
-        a, b = joint.body_a, joint.body_b
-        if (a in supports) == (b in supports):
+    def _soft_axis(self, placed: PlacedLinks, first: str, body: str) -> FloatArray | None:
+        """The axis about which a soft fork still holds: of a body at ground or guide."""
+        if self._is_moving(first) or not self._is_moving(body):
             return None
-        link = self.model.number(b if a in supports else a)
+        link = self.model.number(body)
         assert link is not None
         own = self.model.linkage.moving[link]
         joints = [j for j in self.model.linkage.joints if own.name in (j.body_a, j.body_b)]
         if len(own.points) < 2 or len(joints) < 2:  # a lever: nothing but its bearing holds it
             return None
-        if own.name in self.shafts and loads.GROUND in (a, b):
+        if own.name in self.shafts and first == loads.GROUND:
             return None
         angle = placed.angles[link]
         return np.array([np.cos(angle), np.sin(angle)])

@@ -70,6 +70,7 @@ SAME = {  # relation: what is done to the data
     "a turn later": a_turn_later,
     "backwards": backwards,
 }
+THREE_ON_A_PIN = ("riveting_press", "scissors_jack")
 IN_A_ROW = {  # all of the above, a few of them one after another; units last: others read mm
     "turned": ("reordered", "turned by 37 degrees", "in inches and pounds"),
     "mirrored": ("mirrored", "a turn later", "in mixed units"),
@@ -173,6 +174,27 @@ def test_checks_by_formula_do_not_change(relation, tmp_path):
     """Each by itself, so that a row that fails is told by its relation; rows have all machines."""
     other = SAME[relation](some_cycles(QUICK))
     assert_same(numbers(checked(tmp_path, other)), plain(QUICK))
+
+
+def of_the_gallery(machine):
+    """Data of a machine of the gallery, lightly sampled."""
+    data = flattened(f"gallery/{machine}")
+    data.pop("assumed", None)
+    return with_cycles(data, lambda cycle: cycle | {"positions": 37})
+
+
+@pytest.mark.parametrize(
+    "machine",
+    [
+        machine if machine in THREE_ON_A_PIN else pytest.param(machine, marks=pytest.mark.slow)
+        for machine in sorted(path.stem for path in (DESIGNS / "gallery").glob("*.toml"))
+    ],
+)
+@pytest.mark.parametrize("relation", ["reordered", "in inches and pounds"])
+def test_machines_of_the_gallery_do_not_change(relation, machine, tmp_path):
+    """Where three bodies turn on one pin, joints pair them as they are listed."""
+    data = of_the_gallery(machine)
+    assert_same(numbers(checked(tmp_path, SAME[relation](data))), numbers(checked(tmp_path, data)))
 
 
 def one_part(machine, any_size=False):

@@ -450,14 +450,14 @@ def test_an_output_folder_that_cannot_be_written_is_told_before_anything_is_chec
 
 def test_the_command_line_prints_the_value_that_just_passes(tmp_path):
     out = tmp_path / "out"
-    options = ["--sweep", "parts.lower_left.thickness = 6, 8 mm", "--fidelity", "formula"]
+    options = ["--sweep", "parts.lower_left.thickness = 5, 6 mm", "--fidelity", "formula"]
     design = "designs/gallery/scissors_jack.toml"
     until = ["batch", design, *options, "--until", "pass", "--out", str(out)]
     run = run_ballesta(*until, out=out)
     assert run.code == 0, run.stderr
     written = json.loads((out / "scissors_jack" / "until.json").read_text())
-    assert (written["beyond"], written["found"]) == ("6 mm", "8 mm")
-    assert "8 mm is the smallest that passes, 6 mm does not (UNDECIDED)" in run.stdout
+    assert (written["beyond"], written["found"]) == ("5 mm", "6 mm")
+    assert "6 mm is the smallest that passes, 5 mm does not (FAIL)" in run.stdout
     refused = run_ballesta(*until, "--jobs", "2", "--no-reports", out=out)
     assert refused.code == 2
     assert "leave out --jobs, --reports" in refused.stderr

@@ -144,7 +144,9 @@ def test_a_slot_with_stiff_forks_holds_sideways_and_tilts_and_with_soft_ones_nei
     counts = [len(rows.rows(placed, 2, stiff=stiff)) for stiff in (False, True)]
     by_joint = [len(rows._slide_holds(slot, stiff)) for stiff in (False, True)]
     assert by_joint == [1, 4]  # the guide's turn; then z and both tilts besides
-    soft_pins = sum(rows._soft_axis(placed, j) is not None for j in run.linkage.joints[2:])
+    pairs = [(first, body) for _, (first, *others) in rows._pins for body in others]
+    soft_pins = sum(rows._soft_axis(placed, *pair) is not None for pair in pairs)
+    assert len(pairs) == len(run.linkage.joints[2:])
     assert counts[1] - counts[0] == 3 + soft_pins
 
 
