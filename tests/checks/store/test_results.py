@@ -28,8 +28,7 @@ FORMULA = Effort("formula")
 def folder(tmp_path, monkeypatch):
     """A design, and nothing drawn: pictures and charts take seconds."""
     monkeypatch.chdir(tmp_path)
-    coarse = 'accuracy = "30 %"\n' + MACHINE + PLATE.replace("fineness = 0.5", "fineness = 0.35")
-    Path("machine.toml").write_text(coarse, encoding="utf-8")
+    Path("machine.toml").write_text(MACHINE + PLATE, encoding="utf-8")
     draw_nothing(monkeypatch)
     for module in ("reports.charts", "reports.charts.cycles"):
         monkeypatch.setattr(f"{module}.gathered", lambda makers: Charts((), ()))
