@@ -1,5 +1,6 @@
 """Fixtures for tests of all folders: the command line, one full check of the press, a store."""
 
+import ctypes
 import fcntl
 import gc
 import io
@@ -15,6 +16,7 @@ from typing import Any
 
 import pytest
 
+from ballesta.batches.processes import MIB, ending, resident_bytes
 from ballesta.cli import main
 from fem.threads import ONE_THREAD
 
@@ -24,6 +26,8 @@ os.environ.update(ONE_THREAD)  # before any test loads a library that has thread
 ROOT = Path(__file__).parent.parent
 collect_ignore = ["windows/sitecustomize.py"]  # imported it blocks modules, as is its purpose
 SHARES: list[tuple[Any, str, Any, Any]] = []  # place, name, with the shared store and without
+MORE = 300 * MIB  # that a module of tests may leave behind, else memory is given back
+LEFT = [0]  # bytes that this process held after it was given back
 AS_A_USER = {"COLUMNS": "120", "PYTHONPATH": str(ROOT)}
 
 
@@ -32,6 +36,13 @@ def pytest_configure(config: pytest.Config) -> None:
     for plugin in (processor_budget, longest_first, with_examples):
         if not config.pluginmanager.is_registered(plugin):
             config.pluginmanager.register(plugin)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: Any, error: Any) -> None:
+    """Say how a process of the tests ended that was not to end: pytest-xdist does not."""
+    if error:
+        print(f"\n{node.gateway.id} {ending(node.gateway._io.popen.wait(10))}")
 
 
 @pytest.hookimpl(wrapper=True)
@@ -152,6 +163,17 @@ def equal_scenes_are_made_once(shared: Path) -> Iterator[None]:
         for place, name, with_it, _ in SHARES:
             patch.setattr(place, name, with_it)
         yield
+
+
+@pytest.fixture(scope="module", autouse=True)
+def memory_is_given_back() -> Iterator[None]:
+    """Arrays of solids in cycles, and their gaps on the heap, made a process grow to 2.5 GB."""
+    yield
+    if resident_bytes() > LEFT[0] + MORE:
+        gc.collect()
+        if hasattr(ctypes.CDLL(None), "malloc_trim"):
+            ctypes.CDLL(None).malloc_trim(0)
+        LEFT[0] = resident_bytes()
 
 
 @pytest.fixture(scope="module")

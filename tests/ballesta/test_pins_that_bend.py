@@ -566,7 +566,7 @@ def tilt_of_cheeks(wall):
         cutout_length=35.0, cutout_corner=4.0,
     )  # fmt: skip
     steel = Elastic(210e3, 0.3, 7.85e-9)
-    solutions = solve_unit_loads(mesh_shape(shape, fineness=0.5), steel)
+    solutions = solve_unit_loads(mesh_shape(shape, fineness=0.4), steel)
     along = BoreAlong(bore_harmonics(solutions, "knee"))
     low, high = along.faces
     assert along.paired

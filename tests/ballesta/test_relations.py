@@ -54,7 +54,6 @@ OF_MACHINE = {  # a part of each that has a mesh within seconds
 }
 QUICK = "slider_crank"  # the machine that no test is slow for but each relation by itself
 ONE_CYCLE = {QUICK: ["at_300"]}  # in its duty
-POSITIONS = dict.fromkeys(CYCLES, 73) | {QUICK: 37}
 BY_FORMULA = [
     machine if machine in ONE_CYCLE else pytest.param(machine, marks=pytest.mark.slow)
     for machine in CYCLES
@@ -89,10 +88,9 @@ def same(relation, machine):
     return SAME[relation]
 
 
-def some_cycles(machine, positions=None):
+def some_cycles(machine, **options):
     """Data of a shipped design with two of its cycles."""
-    positions = positions or POSITIONS[machine]
-    return stated(machine, CYCLES[machine], positions, duty=ONE_CYCLE.get(machine))
+    return stated(machine, CYCLES[machine], duty=ONE_CYCLE.get(machine), **options)
 
 
 @cache
@@ -199,7 +197,7 @@ def test_machines_of_the_gallery_do_not_change(relation, machine, tmp_path):
 
 def one_part(machine, any_size=False):
     """Data of a shipped design with one of its parts, and with those whose masses it needs."""
-    data, name = some_cycles(machine, positions=73), OF_MACHINE[machine]
+    data, name = some_cycles(machine), OF_MACHINE[machine]
     if any_size:
         data = of_any_size(data, machine)
     own = data["parts"][name] | {"mesh": {"fineness": 0.5}}
@@ -344,7 +342,7 @@ def test_three_times_the_loads_make_three_times_the_stress(machine, tmp_path):
 @pytest.mark.parametrize("machine", BY_FORMULA)
 def test_twice_the_positions_make_the_same_numbers_within_their_bars(machine, tmp_path):
     """Each check's own bar holds what lies between its positions."""
-    twice = numbers(checked(tmp_path, some_cycles(machine, 2 * POSITIONS[machine] - 1)))
+    twice = numbers(checked(tmp_path, some_cycles(machine, positions=145)))
     assert twice.keys() == plain(machine).keys()
     for key, rows in plain(machine).items():
         for old, new in zip(rows, twice[key], strict=True):

@@ -56,7 +56,7 @@ def test_a_finer_region_counts():
 
 
 TUBE = TubeRod(
-    length=200.0, tube_diameter=30.0, wall=3.0, eye_diameter=45.0, eye_width=34.0, hole=16.0
+    length=100.0, tube_diameter=30.0, wall=3.0, eye_diameter=45.0, eye_width=34.0, hole=16.0
 )
 BAR = replace(PRESS_BAR, length=325.0)
 LEAVES = LeafPack(
@@ -74,8 +74,6 @@ LEAVES = LeafPack(
     clamp_factor=1.3,
 )
 SHAPES = [
-    PLATES[0],
-    PIN,
     PlateLink(length=90.0, width=60.0, thickness=8.0, hole=30.0),
     PlateLink(length=700.0, width=60.0, thickness=8.0, hole=12.0),
     PlateLink(length=60.0, width=40.0, thickness=20.0, hole=18.0),

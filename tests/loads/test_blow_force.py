@@ -77,8 +77,7 @@ def test_a_blow_that_is_over_before_the_modes_answer_is_not_resolved():
     assert slow.unresolved < 1 < fast.unresolved
 
 
-@pytest.mark.parametrize("share", [0.05, 0.1])
-def test_a_mass_that_strikes_a_light_beam_bends_it_as_cox_has_it(share):
+def test_a_mass_that_strikes_a_light_beam_bends_it_as_cox_has_it():
     """Both go on with one speed, the beam in its static shape, of which 17/35 of the mass counts.
 
     u = 3 x/L - 4 (x/L)^3 up to midspan; the mean of u^2 is 17/35. So v' = v/(1 + 17/35 r), and the
@@ -87,7 +86,8 @@ def test_a_mass_that_strikes_a_light_beam_bends_it_as_cox_has_it(share):
     """
     x = np.linspace(0.0, 0.5, 20001)
     assert 2 * np.trapezoid((3 * x - 4 * x**3) ** 2, x) == pytest.approx(17 / 35, rel=1e-6)
-    beam, spring = share * MASS, 500.0
+    share, spring = 0.1, 500.0
+    beam = share * MASS
     order = np.arange(1, 16, 2)
     omega = (order * np.pi) ** 2 * np.sqrt(spring / 48 / beam)
     along = np.sqrt(2 / beam) * (-1.0) ** (order // 2)

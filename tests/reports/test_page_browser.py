@@ -97,8 +97,9 @@ def shown(opened, written):
     return show
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize(
+    ("name", "scheme"), [*((name, "light") for name in PAGES), ("live", "dark")]
+)
 def test_a_page_opens_without_a_word_on_the_console_and_asks_for_nothing(shown, name, scheme):
     found = shown(name, color_scheme=scheme)
     found.page.mouse.wheel(0, 4000)

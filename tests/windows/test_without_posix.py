@@ -78,8 +78,9 @@ def test_the_claim_holds_for_our_modules_and_for_no_others():
     statements = ["os.killpg", "os.waitid", "os.fork", "signal.SIGKILL", "ctypes.CDLL(None)",
                   "selectors.DefaultSelector()", "os.sched_getaffinity"]  # fmt: skip
     code = f"""
+begin = "import ctypes, os, selectors, signal, sys\\nfound = sys.platform, os.name\\n"
 for statement in {statements}:
-    text = "import ctypes, os, selectors, signal, sys\\nfound = sys.platform, os.name\\n" + statement
+    text = begin + statement
     theirs = {{"__name__": "somebody.module"}}
     exec(text, theirs)
     ours = {{"__name__": "fem.module"}}

@@ -25,7 +25,7 @@ ROOT = Path(__file__).parents[3]
 
 def checked(folder: Path, thickness: str, fidelity: str = "swept", store: str | None = None):
     """Result of a variation, as its file has it, without what depends on the day and the clock."""
-    (folder / "machine.toml").write_text(MACHINE + PLATE.replace("fineness = 0.5", "fineness = 1"))
+    (folder / "machine.toml").write_text(MACHINE + PLATE)
     out = folder / fidelity / thickness.replace(" ", "_")
     out.mkdir(parents=True, exist_ok=True)
     override = f"parts.rod.thickness={thickness}"

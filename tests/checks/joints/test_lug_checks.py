@@ -191,11 +191,11 @@ def degrees_of(areas):
     return dict(zip(range(0, 360, 5), areas, strict=True))
 
 
-def plate_of(folder, *tools):
+def plate_of(folder, *tools, fineness=0.4):
     """A plate of 8 mm with a hole of 12 mm, 20 mm from three sides, one of 10 mm, and others."""
     file = write_step(folder / "plate.step", plate_with(hole(0, 0, 12), hole(60, 0, 10), *tools))
     shape = StepPart(file, (NamedHole("first", 12), NamedHole("second", 10)))
-    return shape, mesh_shape(shape, fineness=0.6)
+    return shape, mesh_shape(shape, fineness=fineness)
 
 
 @pytest.fixture(scope="module")
@@ -236,7 +236,7 @@ def test_a_hole_beside_the_way_shortens_the_plane_that_meets_it(tmp_path):
 
     It begins at 6 cos 30 = 5.196 mm, 3 mm aside, and ends at 15 - sqrt(4 - 0.86^2) = 13.194 mm.
     """
-    _, mesh = plate_of(tmp_path, hole(3.86, 15, 4))
+    _, mesh = plate_of(tmp_path, hole(3.86, 15, 4), fineness=0.6)
     assert_allclose(degrees_of(ligament_all_round(mesh, "first").area)[90], 8 * 7.998, rtol=5e-4)
 
 
@@ -247,7 +247,7 @@ def test_a_hole_without_a_pin_ends_a_plane_and_one_with_a_pin_is_held(tmp_path):
         degrees_of(ligament_all_round(mesh, "first").area)[0], 8 * (25 - 5.25 - 6), rtol=0.02
     )
     named = StepPart(shape.path, (*shape.holes, NamedHole("third", 10.5)))
-    mesh = mesh_shape(named, fineness=0.6)
+    mesh = mesh_shape(named, fineness=0.4)
     assert degrees_of(ligament_all_round(mesh, "first").area)[0] == np.inf
 
 
@@ -256,7 +256,7 @@ def link_from_cad(tmp_path):
     design = machine(tmp_path, PLATE, AS_LONG)
     shape = link_part(link_file(tmp_path))
     part = replace(design.parts["rod"], geometry=shape)
-    return design, part, mesh_shape(shape, fineness=0.6)
+    return design, part, mesh_shape(shape, fineness=0.4)
 
 
 def test_a_link_from_cad_is_torn_out_as_the_parametric_one_and_not_where_it_is_pushed(tmp_path):

@@ -66,8 +66,8 @@ def assert_all_are_numbers(result):
 class TestPositions:
     @pytest.mark.parametrize("speed", [10.0, 300.0])
     def test_every_number_is_right_to_its_gate_where_the_gate_holds(self, speed):
-        """Against 500 positions, which leave 8e-5. The gate is 1 % of the largest load."""
-        exact = values(checked(replace(PLAIN, speed=speed, positions=500)))
+        """Against 1000 positions, which leave 2e-5. The gate is 1 % of the largest load."""
+        exact = values(checked(replace(PLAIN, speed=speed, positions=1000)))
         told = []
         for count in (8, 32, 128):
             guise = replace(PLAIN, speed=speed, positions=count)
@@ -75,7 +75,7 @@ class TestPositions:
             wrong = max(abs(found[key] / exact[key] - 1) for key in exact)
             told.append(missed < 0.01)
             # a column's force is missed by up to 1.2 times what is told of the largest load
-            assert wrong < 1.5 * missed, count
+            assert wrong < max(1.5 * missed, 1e-4), count
         assert not told[0]
         assert told[-1]
 
