@@ -240,7 +240,7 @@ def test_cheeks_by_themselves_are_hinged_in_the_plane_and_cantilevers_out_of_it(
 
 
 def test_a_link_s_mode_by_formula_is_that_of_its_solid():
-    """Pushed and bent: 0.9999; a twist of the wrong sign would leave 0.7."""
+    """Pushed and bent: 0.9999; a twist of the wrong sign leaves 0.967."""
     part = replace(ROD, geometry=LINK)
     assert beside_a_solid(part, bent(1000.0, 100.0), 0.8) > 0.999
 
