@@ -136,7 +136,7 @@ _OF_CHECK = {
     "basis": _text("where the limit comes from"),
     "note": _text("what else must be known"),
     "plane": _text("in which it buckles as a column; empty where it does otherwise"),
-    "span": _number("mm, between that column's ends; 0 without one"),
+    "span": _number("mm, between that column's ends; 0 without one, or where a section alone is"),
     "derivation": _of("Derivation"),
 }
 _CHECK = _closed("derivation", **_OF_CHECK)

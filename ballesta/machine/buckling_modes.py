@@ -2,22 +2,33 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 import loads
 from ballesta.machine.motion import carrier_of, part_frame
+from checks.by_formula.crooked_column import CROOKED
 from checks.columns.linkage_frame import LINKAGE, LinkageMode
-from checks.design.data import Design
-from checks.ladder.part_fields import FREE_SIZE, moved_with
+from checks.columns.stability import ELASTIC
+from checks.design.data import Design, Part
+from checks.ladder.part_fields import FREE_SIZE, as_it_buckles
+from checks.models.bar_modes import Mode, half_wave, moved_with
+from checks.models.shapes.toggle_bar import cheeks_alone
 from checks.part.part_loads import interface_distance
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import Check, DesignResult, PartResult, deciding_of
-from geometry.mesh import FloatArray
+from geometry.parts import ToggleBar
 
-_UNKNOWN = "its buckling mode is not drawn: the formula has none; --fidelity solid finds it"
+_UNKNOWN = (
+    "its buckling mode is not drawn: its shape's formula gives a load alone; --fidelity solid "
+    "finds it"
+)
+_SHORTER = (
+    "its buckling mode is not drawn: an effective length of {} mm is stated for its {} mm, and not "
+    "how its ends are held; --fidelity solid finds it"
+)
 _ITS_OWN = 1.01  # of the distance of its pins: another column is not the part alone
-_PLACES = 33  # of a half wave
 
 
 def with_modes(
@@ -30,8 +41,8 @@ def with_modes(
 
     linkage  the mode of all bodies together
 
-    A part whose governing check is buckling has its solid's mode where that has judged it, else
-    Euler's half wave between its own pins where a column between them governs. All parts have the
+    A part whose governing check is buckling has its mode by solid or formula already, or Euler's
+    half wave where a column governs; a crooked bar bows as its column does. All parts have the
     linkage's mode where that decides the verdict, or a column in its plane that is more than a
     part.
     """
@@ -46,7 +57,7 @@ def with_modes(
 def _is_of(design: Design, check: Check, linkage: LinkageMode) -> bool:
     if check.quantity == LINKAGE.quantity:
         return True
-    if check.plane != linkage.plane:
+    if check.plane != linkage.plane or check.quantity == ELASTIC.quantity:
         return False
     return check.span > _ITS_OWN * interface_distance(design, design.parts[check.part])
 
@@ -57,28 +68,42 @@ def _of_part(design: Design, part: PartResult) -> PartResult:
         return part
     if live.mode is not None or governing.method.startswith("solid"):
         return part
-    own = interface_distance(design, design.parts[part.name])
-    if not 1 / _ITS_OWN < governing.span / own < _ITS_OWN:
-        return replace(part, live=replace(live, notes=(*live.notes, _UNKNOWN)))
-    first, last = (pin.centre for pin in design.parts[part.name].geometry.placed_interfaces[:2])
-    moved = moved_with(np.asarray(live.nodes), *half_wave(first, last, governing.plane))
-    moved /= np.linalg.norm(moved, axis=1).max()
-    notes = (*live.notes, FREE_SIZE.format(f"Euler's half wave {governing.plane}, of an even bar"))
-    return replace(part, live=replace(live, mode=moved, notes=notes))
+    found = _of_column(design, design.parts[part.name], governing) if governing.plane else _UNKNOWN
+    if isinstance(found, str):
+        return replace(part, live=replace(live, notes=(*live.notes, found)))
+    return replace(part, live=as_it_buckles(live, *found))
 
 
-def half_wave(first: FloatArray, last: FloatArray, plane: str) -> tuple[FloatArray, FloatArray]:
-    """Places (m, 3) and motions (m, 6) of a bar that buckles from `first` to `last`, hinged.
+def _of_column(design: Design, part: Part, check: Check) -> tuple[Mode, str] | str:
+    """The mode of a column and what it is, in words; or why there is none."""
+    own, plane = interface_distance(design, part), check.plane
+    if not check.span:
+        if isinstance(part.geometry, ToggleBar):
+            words = f"of the {check.place} by themselves, {plane}"
+            return partial(cheeks_alone, part.geometry, plane), words
+        return _UNKNOWN
+    pins = part.geometry.placed_interfaces[:2]
+    if check.span > _ITS_OWN * own:
+        pins.sort(key=lambda pin: _moves(design, part.interfaces[pin.name]))
+    first, last = (pin.centre for pin in pins)
+    far = check.span / own
+    mode = half_wave(first, first + far * (last - first), plane)
+    words = f"Euler's half wave {plane}, of an even bar"
+    if far < 1 / _ITS_OWN:
+        return _SHORTER.format(f"{check.span:.4g}", f"{own:.4g}")
+    if far > _ITS_OWN:
+        words += f" of {check.span:.4g} mm, of which this is a part"
+    if CROOKED.has(f"{check.kind}: {check.quantity}"):
+        words += ", into which a crooked bar bows: it yields before, and has no mode of its own"
+    return mode, words
 
-    Its sections turn with the axis.
-    """
-    share = np.linspace(0.0, 1.0, _PLACES)[:, None]
-    way, out = last - first, np.array([0.0, 0.0, 1.0])
-    length = np.linalg.norm(way)
-    aside = np.cross(out, way / length) if plane == "in plane" else out
-    slope = np.pi / length * np.cos(np.pi * share)
-    turns = slope * np.cross(way / length, aside)
-    return first + share * way, np.hstack([np.sin(np.pi * share) * aside, turns])
+
+def _moves(design: Design, point: str) -> int:
+    """How free a pin is to move aside: 0 on the ground, 1 on what a guide holds, 2 elsewhere."""
+    bodies = design.pins.get(point, ())
+    if loads.GROUND in bodies:
+        return 0
+    return 1 if any(f"guide:{body}" in design.joints for body in bodies) else 2
 
 
 def _of_linkage(
@@ -103,5 +128,6 @@ def _of_linkage(
         live = part.live
         if part.name in moves and isinstance(live, LiveFields) and most:
             shape = moves[part.name] / most
-            part = replace(part, live=replace(live, mode=shape, notes=(*live.notes, told)))
+            notes = [note for note in live.notes if not note.startswith(FREE_SIZE.split("{")[0])]
+            part = replace(part, live=replace(live, mode=shape, notes=(*notes, told)))
         yield part

@@ -123,7 +123,7 @@ def _heading(loaded: LoadedPart, plane: Plane, judged: JudgedColumns) -> Heading
         basis=f"{case.law}; slenderness {case.strength.slenderness:.1f} "
         f"over {length}; Euler {case.strength.euler:.4g} MPa; value is axial stress",
         note=judged.told,
-        plane=plane.name if case.whole else "",
+        plane=plane.name,
         span=plane.length if case.whole else 0.0,
     )
 

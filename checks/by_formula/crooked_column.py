@@ -108,6 +108,8 @@ def _heading(
         note=f"{said}; axial {force / column.areas[place]:.4g} MPa, F/F_cr "
         f"{force / critical:.3g}, crooked by {crookedness(loaded.part, column.plane):.3g} mm "
         f"({_source(loaded.part)}){beside}",
+        plane=column.plane.name,
+        span=column.plane.length,
     )
 
 

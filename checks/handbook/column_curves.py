@@ -196,6 +196,28 @@ def lateral_share(
     aside: (1 - s p) = (s m)^2 at the load factor s (same, 6.1), so the share is
     (p + sqrt(p^2 + 4 m^2))/2.
     """
+    _, forms = _twisted(moment, stiffness, twisting, length)
+    squares = np.linalg.eigvalsh(forms)[:, -1]
+    bent = np.sqrt(np.maximum(squares, 0.0))
+    return np.asarray((compression + np.sqrt(compression**2 + 4 * bent**2)) / 2)
+
+
+def lateral_twist(
+    moment: FloatArray, stiffness: FloatArray, twisting: FloatArray, length: float
+) -> tuple[float, FloatArray]:
+    """Share m of a moment (k,) alone, and the twist (k,) of its mode, of unit energy C t'^2.
+
+    Parameters are those of `lateral_share`, at one position.
+    """
+    normal, (form,) = _twisted(moment[:, None], stiffness, twisting, length)
+    squares, modes = np.linalg.eigh(form)
+    return float(np.sqrt(max(squares[-1], 0.0))), np.asarray(modes[:, -1] @ normal)
+
+
+def _twisted(
+    moment: FloatArray, stiffness: FloatArray, twisting: FloatArray, length: float
+) -> tuple[FloatArray, FloatArray]:
+    """Twists (_TERMS, k) of unit energy, and the forms (n, _TERMS, _TERMS) of M^2 t^2/(E I)."""
     count = len(stiffness)
     s = np.linspace(0.0, 1.0, count)
     weights = np.full(count, length / (count - 1))
@@ -207,9 +229,7 @@ def lateral_share(
     normal = root @ waves  # the elastic energy of these is 1
     pairs = np.einsum("ik,jk->kij", normal, normal) * (weights / stiffness)[:, None, None]
     forms = (moment**2).T @ pairs.reshape(count, -1)
-    squares = np.linalg.eigvalsh(forms.reshape(-1, _TERMS, _TERMS))[:, -1]
-    bent = np.sqrt(np.maximum(squares, 0.0))
-    return np.asarray((compression + np.sqrt(compression**2 + 4 * bent**2)) / 2)
+    return normal, forms.reshape(-1, _TERMS, _TERMS)
 
 
 _HALVINGS = 60  # of an interval as long as the root: to the last digit

@@ -208,13 +208,14 @@ class LateralBar:
     tilts: bool = True
 
     @cached_property
-    def _starts(self) -> list[int]:
+    def starts(self) -> list[int]:
+        """Number of each chain's first unknown, and of all."""
         return [0, *np.cumsum([chain.unknowns for chain in self.chains]).tolist()]
 
     def _spread(self, chain: int, rows: FloatArray) -> FloatArray:
         """Rows of a chain's unknowns as rows of all."""
-        found = np.zeros((len(rows), self._starts[-1]))
-        found[:, self._starts[chain] : self._starts[chain + 1]] = rows
+        found = np.zeros((len(rows), self.starts[-1]))
+        found[:, self.starts[chain] : self.starts[chain + 1]] = rows
         return found
 
     def _at(self, chain: int, place: float, slopes: int) -> tuple[FloatArray, FloatArray]:
@@ -240,8 +241,8 @@ class LateralBar:
         """Motions (unknowns, k) that the supports allow, of unit strain energy and none between."""
         conditions = self._conditions
         free = np.linalg.qr(conditions.T, mode="complete")[0][:, len(conditions) :]
-        energy = np.zeros((self._starts[-1],) * 2)
-        for chain, start in zip(self.chains, self._starts, strict=False):
+        energy = np.zeros((self.starts[-1],) * 2)
+        for chain, start in zip(self.chains, self.starts, strict=False):
             own = slice(start, start + chain.unknowns)
             energy[own, own] = chain.energy
         lower = np.linalg.cholesky(free.T @ energy @ free)
@@ -304,18 +305,13 @@ class LateralBar:
         )
         return (0.0, 0) if found is None else (found[1], found[0])
 
-    def shape(
-        self, acting: Sequence[Acting], pressed: Sequence[Pressed], places: FloatArray
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """w, w' and t (m,) of the lowest mode at places (m,) of the first chain, of free size.
+    def mode(self, acting: Sequence[Acting], pressed: Sequence[Pressed]) -> "BentMode":
+        """The lowest mode, of free size.
 
         acting, pressed  at one position
         """
         works, loads = self._works(acting, pressed)
-        mode = self._free @ np.linalg.eigh(-works.of(loads[:, 0]))[1][:, -1]
-        (aside, twist), (slope, _) = (self.chains[0].rows(places, n) for n in (0, 1))
-        aside, slope, twist = (self._spread(0, rows) @ mode for rows in (aside, slope, twist))
-        return aside, slope, twist
+        return BentMode(self, self._free @ np.linalg.eigh(-works.of(loads[:, 0]))[1][:, -1])
 
     def _works(
         self, acting: Sequence[Acting], pressed: Sequence[Pressed]
@@ -339,6 +335,33 @@ class LateralBar:
             for n in (1, 0)
         )
         return _Works(slopes, rates, twists, gyration, tilts, turns), loads
+
+
+@dataclass(frozen=True, eq=False)
+class BentMode:
+    """A motion of chains that are bent aside and twisted, by their unknowns (k,)."""
+
+    bar: LateralBar
+    unknowns: FloatArray
+
+    def at(self, chain: int, places: FloatArray, slopes: int = 0) -> tuple[FloatArray, FloatArray]:
+        """Motions w and t (m,), or their first slopes, at places (m,) of a chain."""
+        start = self.bar.starts[chain]
+        own = self.unknowns[start : start + self.bar.chains[chain].unknowns]
+        aside, twist = self.bar.chains[chain].rows(places, slopes)
+        return aside @ own, twist @ own
+
+    def moved(self, chain: int, nodes: FloatArray) -> FloatArray:
+        """Displacements (n, 3) of nodes (n, 3) mm of a plate whose middle plane is a chain's.
+
+        Kirchhoff's: a point y beside the chain and z off its plane has w + y t aside, and moves
+        within the plate by -z times the slopes of that.
+        """
+        x, y, z = nodes.T
+        beside = y - self.bar.chains[chain].beside
+        aside, twist = self.at(chain, x)
+        slope, rate = self.at(chain, x, 1)
+        return np.stack([-z * (slope + beside * rate), -z * twist, aside + beside * twist], axis=1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from checks.ladder.levels import Say, first_level
+from checks.models.bar_modes import Mode
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.live_fields import FATIGUE, LiveFields, LivePeak
@@ -87,18 +88,13 @@ def with_mode(live: LiveFields, moves: tuple[FloatArray, FloatArray] | None) -> 
     return replace(live, mode=moved / np.linalg.norm(moved, axis=1).max())
 
 
-def moved_with(nodes: FloatArray, places: FloatArray, motions: FloatArray) -> FloatArray:
-    """Displacements (n, 3) of nodes (n, 3) whose sections move with the axis of a bar.
-
-    places   (m, 3) mm of the axis, in a straight row; a single one is of a rigid body
-    motions  (m, 6) mm and rad
-    """
-    way = places[-1] - places[0]
-    along = places @ way
-    order = np.argsort(along)
-    axis = np.hstack([places, motions])[order]
-    at = np.stack([np.interp(nodes @ way, along[order], column) for column in axis.T], axis=1)
-    return np.asarray(at[:, 3:6] + np.cross(at[:, 6:9], nodes - at[:, :3]))
+def as_it_buckles(live: LiveFields, mode: Mode, words: str) -> LiveFields:
+    """The fields with a buckling mode by formula, and a note that tells what it is of, in words."""
+    moved = mode(np.asarray(live.nodes))
+    shape = moved / np.linalg.norm(moved, axis=1).max()
+    return replace(
+        live, mode=shape, notes=(*live.notes, FREE_SIZE.format(f"{words}, an estimate by formula"))
+    )
 
 
 def _by_cycle(loads: PartLoads, values: FloatArray) -> dict[str, FloatArray]:

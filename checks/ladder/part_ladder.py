@@ -23,7 +23,7 @@ from checks.ladder.carried import Neighbour, carried_result
 from checks.ladder.climb import FKM_NEEDS_SOLID, GAVE_UP, Climb, climb_cheap, start_climb
 from checks.ladder.leaf_checks import LeafBand
 from checks.ladder.part_fields import undrawn, with_drawn_fields
-from checks.ladder.result import cheap_result, solid_result
+from checks.ladder.result import cheap_result, solid_result, with_mode_by_formula
 from checks.models import stress_words
 from checks.models.checked import BUCKLING, FATIGUE, STATIC, evened_in, raised_in_bores
 from checks.part.derived import Kind
@@ -237,12 +237,13 @@ def time_warnings(results: Sequence[PartResult]) -> list[str]:
 
 
 def _with_formulas(climb: Climb, result: PartResult) -> PartResult:
-    """Add the checks that are formulas on every rung."""
-    return replace(
+    """Add the checks that are formulas on every rung, and the mode where buckling governs."""
+    whole = replace(
         result,
         checks=[*explained(climb, result.checks), *by_formula.formula_checks(climb.loaded)],
         assumed=[*result.assumed, *by_formula.not_checked(climb.loaded)],
     )
+    return with_mode_by_formula(climb, whole)
 
 
 @contextmanager

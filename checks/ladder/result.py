@@ -8,13 +8,14 @@ from time import perf_counter
 import numpy as np
 
 from checks import by_formula
+from checks.columns.stability import ELASTIC
 from checks.design.effort import FORMULA, SOLID
 from checks.ladder.chart_data import charts_of
 from checks.ladder.climb import Climb, answered
 from checks.ladder.leaf_checks import friction_facts, friction_gates, leaf_band, with_leaf_checks
 from checks.ladder.levels import Asked, Say, first_of
 from checks.ladder.part_facts import SMALL_DISPLACEMENT, edges_words, facts_of
-from checks.ladder.part_fields import FREE_SIZE, moved_with
+from checks.ladder.part_fields import as_it_buckles
 from checks.ladder.passing_fits import edges_that_pass
 from checks.ladder.section_fields import section_fields
 from checks.ladder.solid import RESCALED, check_solid
@@ -79,20 +80,23 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
         surface=_unstressed(skin),
         assumed=assumed,
         rungs=climb.tried,
-        live=_live(climb, level, skin) if live else None,
+        live=section_fields(loaded, skin, climb.use) if live else None,
     )
 
 
-def _live(climb: Climb, level: RungLevel, skin: Skin) -> LiveFields:
-    """The estimate at every position; with the rung's buckling mode where buckling governs."""
-    fields = section_fields(climb.loaded, skin, climb.use)
-    load = level.model.buckling
-    if load is None or load.shape is None or deciding_of(answered(climb)).kind != BUCKLING:
-        return fields
-    moved = moved_with(skin.nodes, *load.shape())
-    told = FREE_SIZE.format(load.words)
-    mode = moved / np.linalg.norm(moved, axis=1).max()
-    return replace(fields, mode=mode, notes=(*fields.notes, told))
+def with_mode_by_formula(climb: Climb, result: PartResult) -> PartResult:
+    """The result with the formula's buckling mode, where its elastic load governs all checks."""
+    live, level = result.live, climb.level
+    if not isinstance(live, LiveFields) or live.mode is not None:
+        return result
+    if level is None or not result.checks:
+        return result
+    governing, load = deciding_of(result.checks), level.model.buckling
+    if governing.quantity != ELASTIC.quantity or governing.method != FORMULA:
+        return result
+    if load is None or load.mode is None:
+        return result
+    return replace(result, live=as_it_buckles(live, load.mode, load.words))
 
 
 def rung_gates(climb: Climb, level: RungLevel, size: float) -> list[Gate]:

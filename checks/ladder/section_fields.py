@@ -32,6 +32,10 @@ NOTE = (
     "sections; peaks at bores, fillets and pressed edges, which the checks count, are not in it; "
     "ballesta check --fields meshes the part, to look at"
 )
+PRESSED = (
+    "lugs that press on a bent pin relieve its rim, which its checks count and the estimate leaves "
+    "out: it may be higher than theirs"
+)
 _UNMOVED = "no displacement: it is estimated from section forces, without a mesh"
 _UNJUDGED = "fatigue was not judged: no cycle of the duty loads this part"
 _BY_FKM = "the FKM guideline judges the part: its use is not estimated from section forces"
@@ -61,7 +65,7 @@ def section_fields(loaded: LoadedPart, skin: Skin, use: FatigueUse | None) -> Li
         decides=False,
         estimated=True,
         missing={"displacement": _UNMOVED},
-        notes=(NOTE,),
+        notes=(NOTE,) if as_pin(part.geometry) is None else (NOTE, PRESSED),
     )
     return _with_fatigue(fields, loaded.duty, coefficients, loads, use)
 

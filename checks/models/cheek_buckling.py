@@ -28,6 +28,7 @@ _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 _ACROSS, _WALL = 4, 2  # elements of half a cheek and of half a side wall
 _ALONG = 5  # elements on a tube's width, beside hole and cut-out
 _EMPTY = 1e-5  # of the stiffness, left to what is in the hole
+_EDGE = 1e-3  # of the wall: round-off of a cheek's inner face
 _UNLOADED = 1e-9  # of the largest eigenvalue: round-off
 
 Stress = Callable[[FloatArray, FloatArray], FloatArray]
@@ -64,6 +65,28 @@ class _Grid:
         held[-1] = True
         return np.flatnonzero(~held)
 
+    def field(
+        self, unknowns: FloatArray, x: FloatArray, y: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Deflection w (n,) and its slopes along and across at places; 0 beyond the far end."""
+        i, s, along = _within(self.along, np.maximum(x, self.along[0]))
+        j, t, across = _within(self.across, y)
+        a, p, b, q = np.indices((2, 2, 2, 2)).reshape(4, 16)
+        index = 4 * ((i[:, None] + a) * len(self.across) + j[:, None] + b) + 2 * p + q
+        own = unknowns[index].reshape(-1, 4, 4) * (x <= self.along[-1])[:, None, None]
+        w, along_slope, across_slope = (
+            np.einsum("na,nab,nb->n", cubics(s, along, n), own, cubics(t, across, m))
+            for n, m in ((0, 0), (1, 0), (0, 1))
+        )
+        return w, along_slope, across_slope
+
+
+def _within(lines: FloatArray, places: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Element of each place (n,) between lines, its share of it, and the element's size."""
+    element = np.clip(np.searchsorted(lines, places) - 1, 0, len(lines) - 2)
+    size = np.diff(lines)[element]
+    return element, np.clip((places - lines[element]) / size, 0.0, 1.0), size
+
 
 def spreading(shape: ToggleBar, lug: Lug, young: float, poisson_ratio: float) -> float | None:
     """Share of their buckling load that 1 N of the pin's push is on the cheeks at the knee, 1/N.
@@ -72,6 +95,38 @@ def spreading(shape: ToggleBar, lug: Lug, young: float, poisson_ratio: float) ->
 
     lug  both cheeks about the knee's hole
     """
+    found = _lowest(shape, lug, young, poisson_ratio)
+    return None if found is None else found[0]
+
+
+def spread_mode(shape: ToggleBar, lug: Lug, poisson_ratio: float, nodes: FloatArray) -> FloatArray:
+    """Displacements (n, 3) of nodes (n, 3) mm of a bar whose cheeks spread, of free size.
+
+    Walls move outwards by w of their middle planes, and turn by its slopes. A cheek beyond its edge
+    at the side wall's middle goes straight on.
+
+    Raises ValueError for a shape without a share (`spreading`).
+    """
+    found = _lowest(shape, lug, 1.0, poisson_ratio)
+    if found is None:
+        raise ValueError("what is beside the hole is no plate: it has no mode")
+    _, grid, unknowns = found
+    half = (shape.width - shape.wall) / 2
+    x, (y, z) = nodes[:, 0], np.abs(nodes[:, 1:]).T
+    cheek = z > half - (0.5 + _EDGE) * shape.wall
+    across = np.where(cheek, np.minimum(y, half), 2 * half - np.minimum(z, half))
+    aside, along, over = grid.field(unknowns, x, across)
+    aside = aside + np.where(cheek, np.maximum(y - half, 0.0), 0.0) * over
+    outer, outwards = np.where(cheek, z, y) - half, np.sign(nodes[:, 1:])
+    within = np.where(cheek, -outer * over, outer * over)  # away from the bar's axis
+    moved = np.where(cheek, [within, aside], [aside, within]).T * outwards
+    return np.column_stack([-outer * along, moved])
+
+
+def _lowest(
+    shape: ToggleBar, lug: Lug, young: float, poisson_ratio: float
+) -> tuple[float, _Grid, FloatArray] | None:
+    """Share of 1 N, the plates laid out, and the mode's unknowns on them; None without a plate."""
     beside = shape.width / 2 - shape.wall - shape.hole / 2
     if beside < shape.wall:
         return None
@@ -92,9 +147,12 @@ def spreading(shape: ToggleBar, lug: Lug, young: float, poisson_ratio: float) ->
     free = grid.free
     lower = np.linalg.cholesky(elastic[np.ix_(free, free)])
     half = np.linalg.solve(lower, loaded[np.ix_(free, free)])
-    values = np.linalg.eigvalsh(-np.linalg.solve(lower, half.T))
+    values, modes = np.linalg.eigh(-np.linalg.solve(lower, half.T))
     largest = float(values[-1])
-    return largest if largest > _UNLOADED * float(np.abs(values).max()) else 0.0
+    unknowns = np.zeros(len(elastic))
+    unknowns[free] = np.linalg.solve(lower.T, modes[:, -1])
+    share = largest if largest > _UNLOADED * float(np.abs(values).max()) else 0.0
+    return share, grid, unknowns
 
 
 def solved_to(shape: ToggleBar) -> float:

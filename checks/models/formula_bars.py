@@ -15,6 +15,7 @@ from checks.columns.column_moments import axial_compression
 from checks.design.data import Part
 from checks.handbook.bar_forces import BarForces, BarLoads, balanced_bar, deflection
 from checks.handbook.column_curves import column_force, lateral_share
+from checks.models.bar_modes import Mode, half_wave, sideways
 from checks.models.formula_points import (
     XX,
     XY,
@@ -66,12 +67,14 @@ class Aside:
 
     share     largest of all positions, at `position`
     held      the share there with forks that hold it against tilting
+    mode      its mode, as `ElasticLoad` has it
     words     how it buckles
     """
 
     share: float
     position: int
     held: float
+    mode: Mode
     words: str = ASIDE
 
 
@@ -202,9 +205,10 @@ class BarPart:
         *,
         neglects: str,
         local: Callable[[], float | None] | None = None,
+        stretch: Mode | None = None,
         aside: Callable[[bool], Aside] | None = None,
     ) -> RungModel:
-        """The rung `formula` of its points; `local` and `aside` as in `elastic_load`.
+        """The rung `formula` of its points; `local`, `stretch` and `aside` as in `elastic_load`.
 
         Nothing is known of a stretch by itself where `local` gives None: then no buckling load is.
         """
@@ -215,7 +219,15 @@ class BarPart:
             if known is None:
                 return None
             return elastic_load(
-                part, loads, bar, mass, length, self.radii, local=known, aside=aside
+                part,
+                loads,
+                bar,
+                mass,
+                length,
+                self.radii,
+                local=known,
+                stretch=stretch,
+                aside=aside,
             )
 
         return self.points.model(
@@ -304,6 +316,7 @@ def elastic_load(
     radii: tuple[float, float] = (0.0, 0.0),
     *,
     local: float = 0.0,
+    stretch: Mode | None = None,
     aside: Callable[[bool], Aside] | None = None,
 ) -> ElasticLoad:
     """Largest share of the elastic buckling load over the positions.
@@ -321,11 +334,12 @@ def elastic_load(
     is between both resultants. The compression is the mean over a column, weighed by the wave's
     squared slope, on which the force works.
 
-    radii  mm, of the bores
-    local  1/N, share that 1 N of compression is of the load under which a stretch of the part
-           buckles by itself
-    aside  buckling out of the plane by a model of the shape's own, by whether what pulls counts
-           as nothing
+    radii    mm, of the bores
+    local    1/N, share that 1 N of compression is of the load under which a stretch of the part
+             buckles by itself
+    stretch  the mode of that; None where only its load is known
+    aside    buckling out of the plane by a model of the shape's own, by whether what pulls counts
+             as nothing
     """
     force = axial_compression(part, loads)
     largest = loads.largest_force
@@ -349,6 +363,7 @@ def elastic_load(
     racking = np.inf if mass.racking is None else young * mass.at(mass.racking, pressed_at)
     sliding = np.inf if mass.sliding is None else young * mass.at(mass.sliding, places)
     explain: Callable[[], Sequence[Item]]
+    mode: Mode | None = half_wave(np.zeros(3), np.array([length, 0.0, 0.0]), "in plane")
     if aside is not None:
         euler = within / column_force(flat, sliding, length)
         (position,) = first_largest(euler)
@@ -356,23 +371,21 @@ def elastic_load(
         if own.share > euler[position]:
             fixity = max(0.0, 1 - max(float(euler[position]), own.held) / own.share)
             items = partial(factor_items, own.share)
-            return ElasticLoad(own.share, own.position, own.words, items, LATERAL, pulled, fixity)
+            load = ElasticLoad(own.share, own.position, own.words, items, LATERAL, pulled, fixity)
+            return replace(load, mode=own.mode)
         explain = partial(column_items, float(within[position]), flat, sliding, length)
-        most = float(euler[position])
-        return ElasticLoad(
-            most, position, _IN_PLANE, explain, pulled=pulled, plane="in plane", span=length
-        )
+        load = ElasticLoad(float(euler[position]), position, _IN_PLANE, explain, pulled=pulled)
+        return replace(load, plane="in plane", span=length, mode=mode)
     across = young * mass.at(mass.inertia_y, places)
     twisting = young / (2 * (1 + ratio)) * mass.at(mass.torsion, places)
     moment = bar.at(places).moment_z
     if only_pulled:
         least = _NO_MOMENT * largest * length
         moment = np.where(np.abs(moment) > least, moment, 0.0)
+    pressing = force / column_force(firm, racking, column)
     shares = {
         _IN_PLANE: within / column_force(flat, sliding, length),
-        _SIDEWAYS: lateral_share(
-            force / column_force(firm, racking, column), moment, across, twisting, length
-        ),
+        _SIDEWAYS: lateral_share(pressing, moment, across, twisting, length),
         "a stretch by itself: plates and columns": push * local,
     }
     words = _SIDEWAYS if only_pulled else max(shares, key=lambda name: float(shares[name].max()))
@@ -385,14 +398,16 @@ def elastic_load(
         bent = moment[:, [position]]
         alone = float(lateral_share(np.zeros(1), bent, across, twisting, length)[0])
         explain = partial(column_items, pressed, firm, racking, column, alone)
+        of_both = float(pressing[position]), bent[:, 0], (across, firm), twisting, length
+        mode = partial(sideways, *of_both, (first, last))
     else:
-        explain = partial(stretch_items, float(push[position]), local)
+        explain, mode = partial(stretch_items, float(push[position]), local), stretch
     told, most = _PULLED if only_pulled else words, float(share[position])
     fixity = 0.0
     if words == _SIDEWAYS and most > 0.0:
         others = max(float(one[position]) for name, one in shares.items() if name != _SIDEWAYS)
         fixity = 1 - max(others / most, 1 / _CLAMPED)
-    load = ElasticLoad(most, position, told, explain, pulled=pulled, fixity=fixity)
+    load = ElasticLoad(most, position, told, explain, pulled=pulled, fixity=fixity, mode=mode)
     return replace(load, plane="in plane", span=length) if words == _IN_PLANE else load
 
 

@@ -10,7 +10,7 @@ Where the loads were computed with another mass than the plate's, a rigid accele
 the rest, as in a solid.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import pairwise
@@ -30,6 +30,7 @@ from checks.handbook.lateral_buckling import (
     interpolated,
     spaced,
 )
+from checks.models.bar_modes import Mode, bent_aside, laid_straight
 from checks.models.formula_bars import ASIDE, HARDLY, LATERAL, column_items, factor_items
 from checks.models.formula_points import Points, acceleration_units, wrench_units
 from checks.part.part_loads import PartLoads, first_largest
@@ -175,22 +176,21 @@ def elastic_load(part: Part, forces: PlateForces) -> ElasticLoad | None:
     sideways = _sideways(part, forces, pulled)
     if sideways is None:
         return None
-    aside, where, held, shape = sideways
+    aside, where, held, mode = sideways
     (position,) = first_largest(column)
     if column[position] >= aside:
         explain = partial(column_items, float(force[position]), flat, np.inf, way.length)
-        most, plane = float(column[position]), "in plane"
-        return ElasticLoad(
-            most, position, _IN_PLANE, explain, pulled=pulled, plane=plane, span=way.length
-        )
+        load = ElasticLoad(float(column[position]), position, _IN_PLANE, explain, pulled=pulled)
+        mode = laid_straight(way.corners)
+        return replace(load, plane="in plane", span=way.length, mode=mode)
     explain, fixity = partial(factor_items, aside), 1 - max(column[position], held) / aside
     found = ElasticLoad(aside, where, ASIDE, explain, LATERAL, pulled, max(0.0, fixity))
-    return replace(found, shape=shape) if aside > 0.0 else found
+    return replace(found, mode=mode) if aside > 0.0 else found
 
 
 def _sideways(
     part: Part, forces: PlateForces, pulled: bool
-) -> tuple[float, int, float, Callable[[], tuple[FloatArray, FloatArray]]] | None:
+) -> tuple[float, int, float, Mode] | None:
     """Share out of the plane, where, the share with forks that hold against tilting, and the mode.
 
     None where an arm leaves the plate.
@@ -254,30 +254,14 @@ def _sideways(
     bar, acts = LateralBar([chain], [(0, place) for place in held]), Acting(axial, moment, shear)
     share, position, stiff = bar.worst_of_forks([acts], pressed)
 
-    def mode() -> tuple[FloatArray, FloatArray]:
+    def mode(nodes: FloatArray) -> FloatArray:
         along = np.linspace(0.0, float(reached[-1]), _OF_MODE)
-        moves = bar.shape([acts.at(position)], [one.at(position) for one in pressed], along)
-        return moves_along(np.array([bore.centre for bore in way]), along, *moves)
+        found = bar.mode([acts.at(position)], [one.at(position) for one in pressed])
+        (aside, twist), (slope, _) = found.at(0, along), found.at(0, along, 1)
+        corners = np.array([bore.centre for bore in way])
+        return bent_aside(corners, along, aside, slope, twist)(nodes)
 
     return share, position, stiff, mode
-
-
-def moves_along(
-    corners: FloatArray, along: FloatArray, aside: FloatArray, slope: FloatArray, twist: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Places (m, 3) and motions (m, 6) of a bent and twisted bar laid along corners x + i y.
-
-    along  (m,) mm from the first corner, at which it has w, w' and t
-    """
-    arms = np.diff(corners)
-    reached = np.r_[0.0, np.cumsum(np.abs(arms))]
-    arm = np.clip(np.searchsorted(reached, along) - 1, 0, len(arms) - 1)
-    way = (arms / np.abs(arms))[arm]
-    at = corners[arm] + (along - reached[arm]) * way
-    nothing = np.zeros_like(along)
-    turns = twist * way - 1j * slope * way
-    motions = (nothing, nothing, aside, turns.real, turns.imag, nothing)
-    return np.stack([at.real, at.imag, nothing], axis=1), np.stack(motions, axis=1)
 
 
 def deflected(part: Part, forces: PlateForces) -> float:
@@ -298,12 +282,14 @@ def deflected(part: Part, forces: PlateForces) -> float:
 class _Way:
     """The bar along the bores' longest way, at even places (k,).
 
+    corners         (b,) mm, x + i y of its bores
     length          mm
     area            (k,) mm2
     flat            (k,) mm4, bending in the plane
     axial, moment   (k, columns) N and N mm per unit of what acts
     """
 
+    corners: FloatArray
     length: float
     area: FloatArray
     flat: FloatArray
@@ -331,7 +317,7 @@ def _along(forces: PlateForces) -> _Way | None:
         axial, _, moment = forces.across(section, ahead)
         rows.append((section.area, section.inertia, axial, moment))
     columns = (np.array(column) for column in zip(*rows, strict=True))
-    return _Way(float(reached[-1]), *columns)
+    return _Way(corners, float(reached[-1]), *columns)
 
 
 def directed(along: complex, axial: FloatArray, shear: FloatArray) -> FloatArray:

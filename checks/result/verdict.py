@@ -51,7 +51,8 @@ class Check:
     basis             where the limit comes from, scatter of strength included
     note              anything that a reader must know, such as a singular edge
     plane, span       in which it buckles as a column, "in plane" or "out of plane", and mm between
-                      that column's ends; "" and 0 where it does otherwise, or a stretch by itself
+                      that column's ends; "" and 0 where it does otherwise, 0 mm where the section
+                      `place` does by itself
     derivation        how value, limit and bars come about; None where nobody asked for it
     """
 

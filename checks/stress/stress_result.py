@@ -50,8 +50,8 @@ class ElasticLoad:
     weakest   the share if the weakest section stood all along; None where only solids compared tell
               how far a solid's may be from the share
     local     times the largest stress that walls and what is beside bores may count as having
-    shape     its mode, made when asked for: places (m, 3) mm along its axis in the part's frame, in
-              a straight row or nearly so, and motions (m, 6) mm and rad; None where it has none
+    mode      displacements (n, 3), of free size, of nodes (n, 3) mm in the part's frame as it
+              buckles; None where the model has a load alone
     """
 
     share: float
@@ -65,9 +65,7 @@ class ElasticLoad:
     span: float = 0.0
     weakest: float | None = None
     local: float = 1.0
-    shape: Callable[[], tuple[FloatArray, FloatArray]] | None = field(
-        default=None, compare=False, repr=False
-    )
+    mode: Callable[[FloatArray], FloatArray] | None = field(default=None, compare=False, repr=False)
 
 
 @dataclass(frozen=True)

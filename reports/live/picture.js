@@ -150,8 +150,10 @@ const pictureOf = (view) => {
     if (shown.forces && drawn.length) forces();
     if (range) overlay.colourBar(range, limits());
     if (drawn.length) overlay.axes(camera);
-    if (view.isBuckled())
-      overlay.text("buckling mode, its size is free", 14, 58, { tone: "soft", halo: true });
+    if (view.isBuckled()) {
+      const by = view.isEstimate() ? "buckling mode, an estimate" : "buckling mode";
+      overlay.text(`${by}, its size is free`, 14, 58, { tone: "soft", halo: true });
+    }
     if (view.isDeformed())
       overlay.text(`deformation × ${figures(view.factorOf(drawn[0]), 2)}`, 14, 58,
         { tone: "soft", halo: true });

@@ -14,6 +14,7 @@ from checks.result.verdict import NOT_MESHED
 from checks.result.words import utilisation_text
 from reports import pictures_worker, report_html
 from reports.live.payload import estimate_of, with_encoded_fields
+from reports.page_parts import _captions
 from reports.pictures import (
     _ahead,
     draw_ahead,
@@ -108,6 +109,13 @@ def formula_part(*, limit=355.0, **check):
     return results.part(surface=surface, meshes=[], checks=checks, live=live)
 
 
+@pytest.mark.parametrize(("value", "above"), [(200.0, True), (400.0, False)])
+def test_an_estimate_above_the_check_that_decides_says_why_in_its_caption(value, above):
+    """It is 0.75; the check 0.5 or 1 and its bars."""
+    told = _captions(formula_part(limit=600.0, value=value))["estimate"][2]
+    assert ("that is less, as what presses on a bent part relieves it" in told) == above
+
+
 @pytest.mark.parametrize(("limit", "red"), [(600.0, False), (300.0, True)])
 def test_a_part_that_a_formula_decided_is_painted_by_its_estimate(limit, red):
     """300 MPa of 600 / 1.5 allowed is 0.75, in blue; of 300 / 1.5 it is 1.5, red where x > 2/3."""
@@ -125,7 +133,7 @@ def test_a_part_that_a_formula_decided_is_painted_by_its_estimate(limit, red):
     assert f"at most {450 / limit:.3g} of 1, by formula: stress of the section forces" in page
     assert "Static utilisation (von Mises), estimate" in page
     checked = utilisation_text(part.checks[0].utilisation)
-    assert f"are not in it: utilisation {checked} of the check that decides." in page
+    assert f"are not in it: utilisation {checked} of the check that decides" in page
     again = render_stills(shown.parts)  # as one is drawn whose result was kept without its stills
     assert again.images == pictures.images
 

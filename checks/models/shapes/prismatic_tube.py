@@ -1,6 +1,7 @@
 """Square tubes with loaded end faces, by formula."""
 
-from math import pi
+from functools import partial
+from math import pi, sqrt
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
 from geometry.bars import fine_cells, square_tube
+from geometry.mesh import FloatArray
 from geometry.parts import PrismaticTube
 
 _STATIONS = 19
@@ -37,6 +39,7 @@ def stress(part: Part, shape: PrismaticTube, loads: PartLoads) -> RungModel:
     add_tube_fibres(points, "tube", along, forces, tube, (shape.width, shape.wall))
     return whole.model(
         local=lambda: 1 / (tube.area * _pressed_edges(part, shape)),  # walls at the pressed ends
+        stretch=partial(_walls_mode, shape, part.material.poisson_ratio),
         neglects="how the end faces bring forces in; bending of the walls across themselves",
     )
 
@@ -45,6 +48,36 @@ def _pressed_edges(part: Part, shape: PrismaticTube) -> float:
     """Stress, MPa, under which the walls buckle at an end, whose edges are free."""
     steel, apart = part.material, shape.width - shape.wall
     return pressed_edge_stress(shape.wall, apart, steel.youngs_modulus, steel.poisson_ratio)
+
+
+def _walls_mode(shape: PrismaticTube, poisson_ratio: float, nodes: FloatArray) -> FloatArray:
+    """Displacements (n, 3) of the walls at both ends, out and in by turns round the tube.
+
+    As in `pressed_edge_stress`, e^(-a x) (cos(b x) + c sin(b x)) from either end, which is straight
+    on a line across the wall: f'' = nu f gives c.
+    """
+    apart = shape.width - shape.wall
+    factor = (3 + poisson_ratio) * (1 - poisson_ratio)
+    a, b = sqrt(1 - factor / 4), sqrt(factor) / 2
+    c = (a**2 - b**2 - poisson_ratio) / (2 * a * b)
+    aside, slope = np.zeros((2, len(nodes)))
+    for way, from_end in ((1.0, nodes[:, 0]), (-1.0, shape.length - nodes[:, 0])):
+        x = np.maximum(from_end, 0.0) * pi / apart
+        dies, cosine, sine = np.exp(-a * x), np.cos(b * x), np.sin(b * x)
+        aside += dies * (cosine + c * sine)
+        slope += way * pi / apart * dies * ((b * c - a) * cosine - (b + a * c) * sine)
+    y, z = nodes[:, 1:].T
+    top = np.abs(z) > np.abs(y)
+    place = np.where(top, y, z)
+    across = np.clip(place, -apart / 2, apart / 2)
+    wave, turn = np.cos(pi * across / apart), -pi / apart * np.sin(pi * across / apart)
+    wave += turn * (place - across)  # corners go straight on
+    outwards = np.where(top, np.sign(z), np.sign(y))
+    outer = np.where(top, np.abs(z), np.abs(y)) - apart / 2
+    out = np.where(top, 1.0, -1.0)  # walls beside each other turn alike at their edge
+    normal, within = out * outwards * aside * wave, -out * outer * aside * turn
+    moved = np.where(top, [within, normal], [normal, within]).T
+    return np.column_stack([-out * outer * slope * wave, moved])
 
 
 MODEL = ShapeModel(PrismaticTube, stress)

@@ -5,6 +5,7 @@ A bar with a long slot: two rails joined at both ends only, bent in their plane.
 
 from dataclasses import dataclass
 from functools import partial
+from math import pi
 
 import numpy as np
 
@@ -290,20 +291,47 @@ def _aside(part: Part, shape: SlottedLever, loads: PartLoads, bar: BarLoads, pul
             (1, shape.length, loads.wrenches["tip"]),
         )
     ]
-    share, position, held = LateralBar(
+    whole = LateralBar(
         chains,
         held=((0, 0.0), (1, shape.length)),
         joined=[(k, at, branch) for k, at in ((0, start), (1, stop)) for branch in (2, 3)],
-    ).worst_of_forks(acting, pressed)
+    )
+    share, position, held = whole.worst_of_forks(acting, pressed)
     young, inertia = part.material.youngs_modulus, shape.thickness * depth**3 / 12
     middle = bar.at(np.array([(start + stop) / 2])).axial[0] / 2
-    push = -(middle + rails.axial).min(axis=0)
+    axial = middle + rails.axial
+    push = -axial.min(axis=0)
     column = push * (stop - start) ** 2 / (4 * np.pi**2 * young * inertia)
     (worst,) = first_largest(column)
     if column[worst] > share:
-        own = float(column[worst])
-        return Aside(own, worst, own, "in plane: a rail, clamped at the slot's ends")
-    return Aside(share, position, held)
+        own, upper = float(column[worst]), bool(axial[0, worst] < axial[1, worst])
+        mode = partial(_rail_mode, shape, upper)
+        return Aside(own, worst, own, mode, "in plane: a rail, clamped at the slot's ends")
+
+    def bent(nodes: FloatArray) -> FloatArray:
+        x, y, _ = nodes.T
+        chain = np.where(x < start, 0, np.where(x > stop, 1, np.where(y > 0.0, 2, 3)))
+        found = whole.mode(
+            [one.at(position) for one in acting], [one.at(position) for one in pressed]
+        )
+        moved = np.zeros_like(nodes)
+        for k in range(len(chains)):
+            moved[chain == k] = found.moved(k, nodes[chain == k])
+        return moved
+
+    return Aside(share, position, held, bent)
+
+
+def _rail_mode(shape: SlottedLever, upper: bool, nodes: FloatArray) -> FloatArray:
+    """A rail in the plane as a column, clamped at the slot's ends: (1 - cos(2 pi x/l))/2."""
+    x, y, _ = nodes.T
+    length, apart = shape.slot_to - shape.slot_from, (shape.width + shape.slot_width) / 2
+    side = 1.0 if upper else -1.0
+    angle = 2 * pi * np.clip((x - shape.slot_from) / length, 0.0, 1.0)
+    angle = np.where(side * y > 0.0, angle, 0.0)
+    slope = pi / length * np.sin(angle)
+    across = y - side * apart / 2
+    return np.stack([-across * slope, (1 - np.cos(angle)) / 2, np.zeros_like(x)], axis=1)
 
 
 def _plate_stiffness(part: Part, shape: SlottedLever, x: FloatArray) -> Stiffness:

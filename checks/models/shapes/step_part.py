@@ -13,10 +13,12 @@ weakest section all along between the bores, and by its thinnest wall as a long 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from checks.design.data import Part
+from checks.models.bar_modes import from_start
 from checks.models.formula_bars import (
     SectionForces,
     Stretches,
@@ -72,6 +74,8 @@ def stress(part: Part, shape: StepPart, loads: PartLoads) -> RungModel | None:
         names = sorted(places, key=lambda name: places[name])
         first, last = (shape.bore(name) / 2 for name in names)
         load = elastic_load(part, own, forces, bar_of, span, (first, last))
+        if load.mode is not None:
+            load = replace(load, mode=partial(from_start, load.mode, start))
         if not cut.straight:
             return load
         weak = elastic_load(part, own, forces, _weakest(bar_of, cut.between), span)

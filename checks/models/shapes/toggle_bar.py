@@ -1,13 +1,14 @@
 """Square tubes with pin holes through two walls, by formula."""
 
-from functools import lru_cache
+from functools import lru_cache, partial
+from math import pi
 
 import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.lug_stress import Lug, stepped_bar, strip_outline
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
-from checks.models.cheek_buckling import solved_to, spreading
+from checks.models.cheek_buckling import solved_to, spread_mode, spreading
 from checks.models.formula_bars import (
     BarPart,
     SectionForces,
@@ -56,6 +57,7 @@ def stress(part: Part, shape: ToggleBar, loads: PartLoads) -> RungModel:
         _add_cut_out(points, shape, free, cheeks, sections)
     return whole.model(
         local=lambda: _spread(part, shape),
+        stretch=partial(spread_mode, shape, lugs["knee"], part.material.poisson_ratio),
         neglects="bending of the walls across themselves; that the side walls lag in taking their "
         "share",
     )
@@ -65,6 +67,25 @@ def _spread(part: Part, shape: ToggleBar) -> float | None:
     """Share of the cheeks' buckling load by 1 N of push; None where they are no plates."""
     share = _spreading(shape, part.material.poisson_ratio)
     return None if share is None else share / part.material.youngs_modulus
+
+
+def cheeks_alone(shape: ToggleBar, plane: str, nodes: FloatArray) -> FloatArray:
+    """Displacements (n, 3) of nodes (n, 3) mm where the cheeks buckle by themselves in a plane.
+
+    In the plane of the linkage they are hinged at the pin and where the side walls begin. Out of it
+    each is a cantilever from there, and they splay apart (`geometry.bars.plate_pair_section`).
+    """
+    free = shape.cutout_length - shape.overhang
+    x, y, z = nodes.T
+    share = np.clip(x / free, 0.0, 1.0)
+    before, still = np.minimum(x, 0.0), np.zeros_like(x)
+    if plane == "in plane":
+        slope = pi / free * np.where(share < 1.0, np.cos(pi * share), 0.0)
+        return np.stack([-y * slope, np.sin(pi * share) + slope * before, still], axis=1)
+    slope = -pi / (2 * free) * np.cos(pi / 2 * share)
+    aside = 1 - np.sin(pi / 2 * share) + slope * before
+    off = np.abs(z) - shape.cheeks_at
+    return np.stack([-off * slope, still, np.sign(z) * aside], axis=1)
 
 
 @lru_cache(64)  # bars of one size, and their variations in other dimensions than the part's

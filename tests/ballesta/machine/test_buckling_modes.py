@@ -8,10 +8,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 from ballesta.design.read import read_design
-from ballesta.machine.buckling_modes import _of_part, half_wave
+from ballesta.machine.buckling_modes import _of_part
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
-from checks.ladder.part_fields import moved_with, with_mode
+from checks.ladder.part_fields import with_mode
+from checks.models.bar_modes import half_wave, moved_with
 from checks.result.live_fields import grey
 from reports.live.section import live_section
 from reports.page_words import shown_of
@@ -43,11 +44,18 @@ def test_a_column_longer_than_the_part_has_the_mode_of_both_bars_whose_knee_move
         far = np.abs(nodes[:, 0] - knee.centre[0])
         assert_allclose(np.abs(mode[:, 2]), np.cos(np.pi * far / 500.0), atol=0.06)
         assert np.abs(mode[:, 1]).max() < 0.06
-        stretch = [one for one in part.checks if one.quantity == "elastic load share"]
-        alone = replace(part, checks=stretch, live=replace(part.live, mode=None))
-        told = _of_part(design, alone).live  # a stretch by itself: its formula has a load alone
+        alone = replace(part, live=replace(part.live, mode=None, notes=()))
+        told = _of_part(design, alone).live  # without the linkage's mode: a quarter of a wave
+        assert_allclose(np.abs(told.mode[:, 2]), np.abs(np.cos(np.pi * far / 500.0)), atol=0.02)
+        assert "of 500 mm, of which this is a part" in told.notes[-1]
+        held = [replace(check, span=125.0) for check in part.checks]
+        shorter = _of_part(design, replace(alone, checks=held)).live
+        assert shorter.mode is None
+        assert "not how its ends are held" in shorter.notes[-1]
+        unknown = [one for one in part.checks if one.quantity == "elastic load share"]
+        told = _of_part(design, replace(alone, checks=unknown)).live  # what no shape has a mode for
         assert told.mode is None
-        assert "buckling mode is not drawn" in told.notes[-1]
+        assert "gives a load alone" in told.notes[-1]
     assert shown_of(result.deciding, result)["mode"]
 
 
@@ -58,11 +66,11 @@ def test_a_hinged_bar_buckles_in_half_a_sine_wave_and_its_sections_turn_with_it(
     plane, across, sign
 ):
     """Euler: w = sin(pi x/L); a point c beside the axis moves by -c w' along it."""
-    places, motions = half_wave(np.array([10.0, 0.0, 0.0]), np.array([210.0, 0, 0]), plane)
+    mode = half_wave(np.array([10.0, 0.0, 0.0]), np.array([210.0, 0, 0]), plane)
     x = np.array([10.0, 60.0, 110.0, 210.0])
     nodes = np.zeros((4, 3))
     nodes[:, 0], nodes[:, across] = x, 8.0
-    found = moved_with(nodes, places, motions)
+    found = mode(nodes)
     assert_allclose(found[:, across], np.sin(np.pi * (x - 10) / 200), atol=2e-3)
     slope = np.pi / 200 * np.cos(np.pi * (x - 10) / 200)
     assert_allclose(found[:, 0], sign * 8.0 * slope, atol=2e-4)
@@ -114,6 +122,28 @@ def test_the_page_of_a_linkage_that_decides_begins_with_all_parts(jack):
     shown = shown_of(jack.deciding, jack)
     assert (shown["part"], shown["mode"], shown["position"]) == (-1, True, [0, 0])
     assert '"first":-1' in live_section(jack).body
+
+
+def test_a_crooked_bar_that_governs_bows_as_its_column_and_says_that_it_is_no_mode():
+    """Yield of the edge has no shape of its own; a bow of 60 mm makes it decide."""
+    result = checked("gallery/steam_engine", "parts.rod.column.crookedness=60 mm")
+    (rod,) = result.parts
+    assert result.deciding.quantity.startswith("crooked bar")
+    assert result.deciding.span == pytest.approx(1600.0)
+    assert "a crooked bar bows" in rod.live.notes[-1]
+    across = 1 if result.deciding.plane == "in plane" else 2
+    assert np.abs(rod.live.mode[:, across]).max() > 0.99
+
+
+@pytest.mark.parametrize("name", ["quick_return", "gallery/sickle_mower"])
+def test_a_part_whose_elastic_load_governs_has_the_mode_of_its_formula(name):
+    """A slotted lever, and a link that is bent: both were "not drawn"."""
+    result = checked(name, "require.buckling=1000")
+    part = next(part for part in result.parts if part.name == result.deciding.part)
+    assert (result.deciding.quantity, result.deciding.method) == ("elastic load share", "formula")
+    assert np.linalg.norm(part.live.mode, axis=1).max() == pytest.approx(1)
+    assert "not drawn" not in " ".join(part.live.notes)
+    assert np.abs(part.live.mode[:, 2]).max() > 0.9
 
 
 def test_nodes_of_a_rigid_body_turn_about_its_place():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from ballesta.design.read import read_design
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.ladder.part_fields import undrawn_warnings
@@ -153,3 +154,17 @@ def test_the_fields_of_a_solid_stay_those_that_decide(tmp_path):
     (part,) = checked(tmp_path, solid, 'accuracy="50 %"').parts
     assert part.live.decides
     assert np.isfinite(part.checks[0].numerical)
+
+
+def test_a_buckling_mode_by_formula_is_drawn_on_the_mesh_to_look_at(tmp_path):
+    """A rod that is pulled, and bent by its own inertia: its elastic load governs, no column."""
+    path = tmp_path / "pulled.toml"
+    path.write_text((MACHINE + PLATE).replace('"400 N"', '"-400 N"'), encoding="utf-8")
+    design = read_design(path, ["require.buckling=1e9"])
+    result = check_design(design, effort=DRAWN, live=True)
+    (part,) = result.parts
+    assert result.deciding.quantity == "elastic load share"
+    assert result.deciding.method == "formula"
+    assert not part.live.estimated
+    assert np.linalg.norm(part.live.mode, axis=1).max() == pytest.approx(1)
+    assert "estimate by formula" in part.live.notes[-1]
