@@ -421,6 +421,8 @@ class _Search:
                 aim = rounded(x * (1 + (_NEXT if outward else -_NEXT)), old, up=outward)
             if aim == unknown or any(aim == x for x, _ in points):
                 break
+            if not old / MOST <= aim <= old * MOST:  # the largest change is not enough
+                break
             one = self.known.screened(key, aim, unit, parts)
             reached = 0.0 if one.problem else self.known.reserve(one, parts)
             if not 0 < reached < inf:
