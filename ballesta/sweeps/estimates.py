@@ -104,13 +104,22 @@ class Estimates:
             return 0.0  # the formula gave up on the variation, as of a hole near an edge
         return min((r for r, *_ in self.reserves(one, parts, margin=margin)), default=inf)
 
+    def fails(self, checks: Sequence[Check]) -> bool:
+        """True if a check of a variation has a reserve below 1."""
+        return any(reserve < 1 for reserve, *_ in self._reserves(checks, margin=True))
+
     def reserves(
         self, one: Screened, parts: Sequence[str], *, margin: bool = True
     ) -> list[tuple[float, float, float, Check]]:
         """Reserve, safety at the value and at the upper end, and check, of some parts."""
+        return self._reserves([check for check in one.checks if check.part in parts], margin=margin)
+
+    def _reserves(
+        self, checks: Sequence[Check], *, margin: bool
+    ) -> list[tuple[float, float, float, Check]]:
         found = []
-        for check in one.checks:
-            if check.part not in parts or not check.value:
+        for check in checks:
+            if not check.value:
                 continue
             ratio, reach, same = self._ratios.get(_name(check), (1.0, 1.0, True))
             safety = check.limit / (check.value * ratio)

@@ -294,7 +294,9 @@ class _Search:
             )
             for new in [m for m in others if m.name != value][:_TRIES]:
                 name = new.name
-                one = self.known.screening.of({key: name}, own, only_materials=True)
+                one = self.known.screening.of(
+                    {key: name}, own, only_materials=True, failed=self.known.fails
+                )
                 if not one.problem and self.known.reserve(one, own) >= 1:
                     one = self.known.settled(key, name, own, one)
                 if one.problem:
@@ -391,7 +393,9 @@ class _Search:
             size = standard(value, up=outward)
             beyond = (size > old) if (value > old) else (size < old)
             if beyond and 1 / MOST <= size / old <= MOST:
-                other = self.known.screened(key, size, unit, parts)
+                other = self.known.screening.of(
+                    {key: written(size, unit)}, parts, failed=self.known.fails
+                )
                 if not other.problem and self.known.reserve(other, parts) >= 1:
                     value, one = size, other
         return value, least[0], one
@@ -416,6 +420,8 @@ class _Search:
             if aim == x and best is None:  # round-off short of it
                 aim = rounded(x * (1 + (_NEXT if outward else -_NEXT)), old, up=outward)
             if aim == unknown or any(aim == x for x, _ in points):
+                break
+            if not old / MOST <= aim <= old * MOST:  # the largest change is not enough
                 break
             one = self.known.screened(key, aim, unit, parts)
             reached = 0.0 if one.problem else self.known.reserve(one, parts)

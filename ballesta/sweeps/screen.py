@@ -10,7 +10,7 @@ design puts it on its loads, validity checks of the loads, and the proof of the 
 """
 
 import json
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -44,6 +44,7 @@ from geometry.cad_body import SolidBody
 
 Variation = Mapping[str, Any] | Sequence[str]
 Masses = Mapping[str, tuple[float, tuple[float, float], float]]
+Failed = Callable[[Sequence[Check]], bool]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -173,6 +174,7 @@ class Screening:
         reserves: Mapping[str, float] | None = None,
         anew: bool = False,
         only_materials: bool = False,
+        failed: Failed | None = None,
     ) -> Screened:
         """Check one variation by formula; its `problem` says what is wrong with it.
 
@@ -184,6 +186,7 @@ class Screening:
         anew      whether friction between leaves is solved, also where it is known of the design
         only_materials  True if nothing else is varied: what only has other strengths keeps its
                   stress, which is not computed again
+        failed    of the stress checks of a part: True where its others are not wanted
         """
         overrides = overrides_of(variation)
         try:
@@ -199,6 +202,7 @@ class Screening:
                 linkage,
                 reserves or {},
                 only_materials,
+                failed or (lambda _: False),
             )
         except (DesignError, NumericsError) as error:
             return Screened(overrides=overrides, problem=str(error))
@@ -262,6 +266,7 @@ def _checked(
     linkage: bool,
     reserves: Mapping[str, float],
     only_materials: bool,
+    failed: Failed,
 ) -> Screened:
     masses = part_masses(design, known.models)
     design, solved, afresh = known.solve(design, masses)
@@ -292,11 +297,12 @@ def _checked(
                 climb.model = known.stress.get(part.name)
             if not formulas:
                 climb.asked = tuple(kind for kind in climb.asked if kind != BUCKLING)
+            before = len(checks)
             why = _check_part(climb, body, checks, gates)
             if keeps and climb.model is not None:
                 known.stress[part.name] = climb.model
             rubbed |= {} if climb.leaves is None else {part.name: climb.leaves}
-            if formulas:
+            if formulas and not failed(checks[before:]):
                 checks += formula_checks(loaded)
         if why:
             left[part.name] = why

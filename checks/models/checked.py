@@ -451,22 +451,28 @@ def raised_in_bores(
     bores = {name.removesuffix(_PRESSURE) for name in units if name.endswith(_PRESSURE)}
     across = np.array([any(word in name for word in _ACROSS) for name in units])
     more = 1.0 if part.arc_stated else 1.0 + BEYOND_ARCS
-    found = [0.0]
+    places = np.array(model.places)
+    asked: list[IntArray] = []
+    factors: list[FloatArray] = []  # on the unit loads, of each point that is asked
     for bore in sorted(bores):
-        points = np.flatnonzero([place == bore for place in model.places])
+        points = np.flatnonzero(places == bore)
         if not len(points):
             continue
+        if use is not None:
+            used = level.judged_duty.bound[points]
+            points = points[used >= _NEAR * used.max()]
         pressed = np.array([name.startswith(f"{bore} ") for name in units])
         times = np.where(pressed, uneven[bore].most if bore in uneven else 1.0, 1.0) * more
-        raised = np.where(across, 1.0, times)[:, None] * history.coefficients
-        if use is None:
-            own = history.nodes[points], history.points[points], history.basis[points]
-            found.append(float(StressHistory(*own, raised).peaks_by_position()[0].max()))
-        else:
-            used = level.judged_duty.bound[points]
-            near = points[used >= _NEAR * used.max()]
-            found.append(use.over(level, near, raised, loads.cycles))
-    return max(found)
+        asked.append(points)
+        factors.append(np.tile(np.where(across, 1.0, times), (len(points), 1)))
+    if not asked:
+        return 0.0
+    points = np.concatenate(asked)
+    raised = history.basis[points] * np.concatenate(factors)[:, None, :]
+    if use is not None:
+        return use.anew(level, points, raised, history.coefficients, loads.cycles)
+    own = history.nodes[points], history.points[points]
+    return float(StressHistory(*own, raised, history.coefficients).peaks_by_point().max())
 
 
 def evened_in(loaded: LoadedPart, level: RungLevel, use: FatigueUse | None) -> float:

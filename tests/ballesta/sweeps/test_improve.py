@@ -11,7 +11,7 @@ from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
 from ballesta.pipeline import check_design, check_file
 from ballesta.sweeps.estimates import Estimates
-from ballesta.sweeps.improve import improve, with_changes
+from ballesta.sweeps.improve import MOST, improve, with_changes
 from checks.columns.linkage_frame import linkage_check, worst_mode
 from checks.design.effort import Effort
 from checks.design.materials import known_materials
@@ -80,6 +80,20 @@ def test_a_thickness_that_is_found_is_the_least_that_passes(file, need, improved
     assert after.safety == pytest.approx(change.safety, rel=1e-9)
     less = f"parts.rod.thickness={thickness - 0.1 * (thickness - 10.0)} mm"
     assert rod(file, need, less).status is not Status.PASS
+
+
+def test_no_size_beyond_the_largest_change_is_asked(file, monkeypatch):
+    """Twice the thickness is short of 2.5 times the safety: nothing thicker is looked at."""
+    asked = []
+
+    def noted(known, key, value, *rest, screened=Estimates.screened):
+        asked.extend([value] if key == "parts.rod.thickness" else [])
+        return screened(known, key, value, *rest)
+
+    monkeypatch.setattr(Estimates, "screened", noted)
+    check = rod(file)
+    improve(file, [NEED.format(2.5 * check.limit / check.upper)], effort=FORMULA)
+    assert max(asked) == MOST * 10.0
 
 
 def test_what_no_formula_judges_is_no_way_out(file):
