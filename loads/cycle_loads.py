@@ -6,7 +6,7 @@ Between the positions of a cycle loads may rise: the part that too few positions
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -95,6 +95,18 @@ class ContactLoads:
 
 
 @dataclass(frozen=True, eq=False)
+class OwnSwing:
+    """Inertia of a beam as it bends, beyond its rigid motion's, in balance by itself.
+
+    places  (n, k) mm along x of the body
+    across  (n, k) N on the body there, along its y
+    """
+
+    places: FloatArray
+    across: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class CycleLoads:
     """Motion and loads at every position of one cycle.
 
@@ -114,6 +126,7 @@ class CycleLoads:
     unresolved     what the positions miss of loads that rise between them
     unstruck       the cycle without the moments of its blows; None where there are none
     swings         True for one that swings by its blows; `touches` then are those as if slowly
+    own_swing      of beams that vibrate or are struck, by body
     """
 
     linkage: Linkage
@@ -135,6 +148,7 @@ class CycleLoads:
     unresolved: Unresolved = NOTHING
     unstruck: "CycleLoads | None" = None
     swings: bool = False
+    own_swing: Mapping[str, OwnSwing] = field(default_factory=dict)
 
     @property
     def slowly(self) -> "CycleLoads":

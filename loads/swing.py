@@ -302,7 +302,13 @@ def _with_swing(
     efforts = dict(moved.efforts)
     efforts[force] = efforts[force] + sense * found.force
     efforts[modes.holder] = efforts[modes.holder] + unit.efforts[modes.holder] * found.force
-    return replace(free, accelerations=moved.accelerations, reactions=reactions, efforts=efforts)
+    return replace(
+        free,
+        accelerations=moved.accelerations,
+        reactions=reactions,
+        efforts=efforts,
+        own_swing=moved.own_swing,
+    )
 
 
 def _surge(touching: CycleLoads, swung: CycleLoads, holder: str, inertia: float) -> float:
