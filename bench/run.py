@@ -302,6 +302,19 @@ def short_commands() -> list[dict[str, Any]]:
     return rows
 
 
+def forging() -> list[dict[str, Any]]:
+    """A steady run by a motor over the same at a prescribed speed, five in turns, and a blow."""
+    measured = measured_by("bench.forging")
+    return [
+        entry(
+            "forging: 720 positions by motor over prescribed speed",
+            measured["steady over prescribed"], "1", 5.0,
+        ),
+        entry("forging: 720 positions by motor, of processors", measured["steady"], "s"),
+        entry("forging: one blow, of processors", measured["blow"], "s", 1.0),
+    ]  # fmt: skip
+
+
 def threads_by_size() -> list[dict[str, Any]]:
     """Factorisation and 24 solves by number of threads, from 6 000 to 570 000 unknowns."""
     done = subprocess.run(
@@ -344,6 +357,7 @@ BENCHMARKS = {
     "ballesta": help_time,
     "buckling": buckling_modes,
     "fatigue": fatigue_verdict,
+    "forging": forging,
     "ladder": ladder_of_the_press,
     "loads": loads_of_machines,
     "installed": as_installed,

@@ -23,6 +23,7 @@ from loads.bodies import BoolArray, FloatArray, IntArray, LinkageError
 from loads.contact import Touch
 from loads.cycle_loads import CycleLoads
 from loads.forces import JointLoad, unit_forces
+from loads.point_loads import OwnSwing
 from loads.vibration import (
     LinkageModes,
     cycle_modes,
@@ -164,6 +165,7 @@ def blow_loads(
         accelerations=moved.accelerations,
         reactions=reactions,
         efforts=efforts,
+        own_swing=moved.own_swing,
     )
     turned = _turned(cycle, force, row, blow.deepest) if swinging is None else 0.0
     return BlowLoads(row, blow, loads, turned, speed)
@@ -233,6 +235,12 @@ def with_blow(cycle: CycleLoads, blow: BlowLoads) -> CycleLoads:
         after & ((cycle.times > end) | (cycle.phase_of != blow.loads.phase_of[0]))
     )
     before = np.arange(blow.row + 1)
+    still = {
+        name: OwnSwing(np.broadcast_to(own.places[0], shape), np.zeros(shape))
+        for name, own in blow.loads.own_swing.items()
+        for shape in [(len(cycle.times), own.places.shape[1])]
+    }
+    cycle = replace(cycle, own_swing={**still, **cycle.own_swing})
     whole = joined([at_rows(cycle, before), blow.loads, at_rows(cycle, kept)])
     return replace(whole, unstruck=cycle.unstruck or cycle)
 
@@ -284,6 +292,7 @@ def _mapped(
         first,
         **changed,
         reactions=over("reactions", JointLoad),
+        own_swing=over("own_swing", OwnSwing),
         efforts={key: change([part.efforts[key] for part in parts]) for key in first.efforts},
         touches=over("touches", Touch),
     )

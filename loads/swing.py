@@ -42,6 +42,8 @@ _SHARE = 0.05  # of the compliance of all modes at the contact: one below it fol
 _STIFF = 0.01  # of it: what gives way without mass before a workpiece that only yields is rigid
 _TOLERANCE = 1e-7
 _TURNS = 40  # cycles, one after another, at most
+_PATIENCE = 8  # cycles that are waited for before the steady one is sought
+_STEPS, _NUDGE, _CLOSED = 6, 1e-3, 1e-4  # of Newton's method; of what a cycle begins with
 _REPEATS = 0.005  # of the largest deformation: what the next cycle may begin with otherwise
 _SOON = 1e-2  # of a sample's step after it has left: nothing is met again before
 _ROUND_OFF = 1e-12  # of the way
@@ -70,18 +72,22 @@ class Swing:
 
     force    (n,) N at the times asked for
     modal    (n, k) mm sqrt(t)
+    rates    (n, k) mm sqrt(t)/s
     strikes  in their order
     turns    cycles until it repeats
     changed  by how much the next cycle begins otherwise, over the largest deformation
     missing  energy that is not accounted for, over what motion and drive gave
+    work     N mm, that modes and workpiece take over the cycle
     """
 
     force: FloatArray
     modal: FloatArray
+    rates: FloatArray
     strikes: tuple[Strike, ...]
     turns: int
     changed: float
     missing: float
+    work: float
 
 
 def swing(
@@ -108,14 +114,11 @@ def swing(
     if run.depth(0.0, state) > 0.0:
         raise LinkageError("it touches as the cycle begins")
     while changed > _REPEATS and turns < _TURNS:
+        if turns == _PATIENCE and mode == "free":
+            state = _steady(run, state, float(times[-1]))
         turns += 1
         before = state[: 2 * modes]
-        run.given = run.energy(state)
-        state = np.append(before, np.zeros(3))
-        run.pieces = []
-        if mode == "free" and run.depth(0.0, state) <= 0.0:
-            run.set = 0.0  # another workpiece
-        found, strikes, state, mode = _cycle(run, state, mode, float(times[-1]))
+        found, strikes, state, mode = _turn(run, before, mode, float(times[-1]))
         states = _at(run, found, times)
         deformed = np.hypot(run.omega * states[:, :modes], states[:, modes : 2 * modes])
         change = state[: 2 * modes] - before
@@ -126,10 +129,12 @@ def swing(
     return Swing(
         run.forces(times, states),
         states[:, :own],
+        states[:, modes : modes + own],
         tuple(replace(one, modal=one.modal[:own], rates=one.rates[:own]) for one in strikes),
         turns,
         changed,
         run.missing(state),
+        float(state[-2]),
     )
 
 
@@ -213,7 +218,15 @@ def swung_cycle(
         times,
     )
     loads = _with_swing(free, elastic, response, unit, found, omega, kept, shares, sense, force)
-    loads = replace(loads, touches=touching.touches, unstruck=touching, swings=True)
+    loads = replace(
+        loads,
+        touches=touching.touches,
+        unstruck=touching,
+        swings=True,
+        swing_work=elastic.drive(modes.holder).work
+        + found.work
+        + _with_free(free, elastic, response, found, omega, kept, damping),
+    )
     shown = replace(free, touches=touching.touches)
     stretched = replace(free, linkage=elastic.linkage)
     least = _HARD * max((one.speed for one in found.strikes), default=0.0)
@@ -234,6 +247,30 @@ def swung_cycle(
             )
     surge = _surge(touching, loads, modes.holder, inertia)
     return SwungCycle(found, loads, tuple(blows), surge, 1.0 - swinging_share / modal)
+
+
+def _with_free(
+    free: CycleLoads,
+    elastic: CycleLoads,
+    response: CycleResponse,
+    found: Swing,
+    omega: FloatArray,
+    kept: IntArray,
+    damping: float,
+) -> float:
+    """Work that damping takes of both motions together, beyond its share of the swing alone.
+
+    2 zeta omega (2 q' f' + f'^2), f the modes in the free cycle.
+    """
+    total = 0.0
+    for place, k in enumerate(kept.tolist()):
+        mode = response.responses[k]
+        values = mode.slow if free.reactions is elastic.reactions else mode.dynamic
+        rates = np.gradient(values, mode.times) / omega[place]
+        own = np.interp(mode.times, free.times, found.rates[:, place])
+        lost = 2.0 * damping * omega[place] * (2.0 * own * rates + rates**2)
+        total += float(np.trapezoid(lost, mode.times))
+    return total
 
 
 def _omega(response: CycleResponse, k: int, row: int, pick: str) -> float:
@@ -302,7 +339,13 @@ def _with_swing(
     efforts = dict(moved.efforts)
     efforts[force] = efforts[force] + sense * found.force
     efforts[modes.holder] = efforts[modes.holder] + unit.efforts[modes.holder] * found.force
-    return replace(free, accelerations=moved.accelerations, reactions=reactions, efforts=efforts)
+    return replace(
+        free,
+        accelerations=moved.accelerations,
+        reactions=reactions,
+        efforts=efforts,
+        own_swing=moved.own_swing,
+    )
 
 
 def _surge(touching: CycleLoads, swung: CycleLoads, holder: str, inertia: float) -> float:
@@ -315,6 +358,54 @@ def _surge(touching: CycleLoads, swung: CycleLoads, holder: str, inertia: float)
     work = np.concatenate([[0.0], np.cumsum(steps)])
     even = work - work[-1] * touching.times / touching.times[-1]
     return float(np.ptp(even) / (inertia * np.mean(rate**2)))
+
+
+def _turn(
+    run: BlowRun, start: FloatArray, mode: str, period: float
+) -> tuple[list[Any], list[Strike], FloatArray, str]:
+    """A cycle, as `_cycle`, from places and rates (2 k,) of the modes on."""
+    state = np.append(start, np.zeros(3))
+    run.given = run.energy(state)
+    run.pieces = []
+    if mode == "free" and run.depth(0.0, state) <= 0.0:
+        run.set = 0.0  # another workpiece
+    return _cycle(run, state, mode, period)
+
+
+def _steady(run: BlowRun, state: FloatArray, period: float) -> FloatArray:
+    """State that a cycle ends with as it began, by Newton's method; the one given if none is found.
+
+    What a cycle ends with, f(y), of what it begins with, y of the modes' deformations and rates:
+    y = f(y) is a run that settles only if all multipliers, the eigenvalues of f', are below 1.
+    """
+    weights = np.append(run.omega, np.ones(len(run.omega)))
+    swings = weights > 0.0
+
+    def after(y: FloatArray) -> FloatArray | None:
+        start = y / np.where(swings, weights, 1.0)
+        if run.depth(0.0, np.append(start, np.zeros(3))) > 0.0:
+            return None  # it would begin in touch
+        _, _, end, mode = _turn(run, start, "free", period)
+        return weights * end[: len(y)] if mode == "free" else None
+
+    y = weights * state[: len(weights)]
+    end = after(y)
+    for _ in range(_STEPS):
+        if end is None or not swings.all():
+            return state
+        step = _NUDGE * max(float(np.linalg.norm(y)), float(np.linalg.norm(end)))
+        nudged = [after(y + step * way) for way in np.eye(len(y))]
+        ends = [one for one in nudged if one is not None]
+        if len(ends) < len(y) or not step > 0.0:
+            return state
+        slopes = (np.array(ends) - end).T / step
+        y = y + np.linalg.solve(np.eye(len(y)) - slopes, end - y)
+        end = after(y)
+        size = max(float(np.linalg.norm(y)), step)
+        if end is not None and np.linalg.norm(end - y) < _CLOSED * size:
+            settles = np.abs(np.linalg.eigvals(slopes)).max() < 1.0
+            return np.append(y / weights, np.zeros(3)) if settles else state
+    return state
 
 
 def _cycle(

@@ -27,6 +27,7 @@ from loads.joints import Angle, Coordinate, Distance, Force, PointCoordinate, Re
 from loads.kinematics import Kinematics, rotated, turned_left
 from loads.linkage import Linkage
 from loads.motion import Motion, coordinate_share
+from loads.point_loads import OwnSwing
 
 _POINTS = 5  # along a beam; the first mode between two pins is then 0.02 % off
 _GAUSS = 0.5 / np.sqrt(3.0)  # two points integrate the product of two linear moments exactly
@@ -274,7 +275,8 @@ def with_body_loads(modes: LinkageModes, cycle: CycleLoads, lumped: FloatArray) 
     """Return the cycle with further loads on its lumps (n, d), the drive held.
 
     They are added as inertia: to the joints and the drive's effort what they cause there, to every
-    body the acceleration that has their resultant, so that each stays in equilibrium.
+    body the acceleration that has their resultant, so that each stays in equilibrium, and to a beam
+    what they are beyond the inertia of that acceleration.
     Raises LinkageError where no force of the linkage is the drive's.
     """
     if modes.holder not in cycle.efforts:
@@ -288,11 +290,13 @@ def with_body_loads(modes: LinkageModes, cycle: CycleLoads, lumped: FloatArray) 
     wrenches = modes.lumps.wrenches(cycle.poses[:, :, 2])
     reactions = dict(cycle.reactions)
     efforts = dict(cycle.efforts)
-    accelerations = cycle.accelerations.copy()
+    accelerations, own_swing = cycle.accelerations.copy(), dict(cycle.own_swing)
     for row, body in enumerate(linkage.moving, start=1):
         own = modes.lumps.of(row)
         if not len(own):
             continue
+        if (modes.lumps.way[own] == 1).sum() > 1:
+            own_swing[body.name] = _own_swing(modes.lumps, row, lumped, own_swing.get(body.name))
         total = np.einsum("nkd,nd->nk", wrenches[:, :, own], lumped[:, own])
         turn = -total[:, 2] / body.inertia if body.inertia else np.zeros(len(total))
         arm = rotated(np.array(body.centre, dtype=float), cycle.poses[:, row, 2])
@@ -308,7 +312,26 @@ def with_body_loads(modes: LinkageModes, cycle: CycleLoads, lumped: FloatArray) 
                 name: grown(load, solution.joints[name], total[:, k])
                 for name, load in reactions.items()
             }
-    return replace(cycle, accelerations=accelerations, reactions=reactions, efforts=efforts)
+    return replace(
+        cycle,
+        accelerations=accelerations,
+        reactions=reactions,
+        efforts=efforts,
+        own_swing=own_swing,
+    )
+
+
+def _own_swing(lumps: Lumps, row: int, lumped: FloatArray, known: OwnSwing | None) -> OwnSwing:
+    """Loads on the lumps of a beam across it, less their share of a rigid motion."""
+    own = lumps.of(row)
+    own = own[lumps.way[own] == 1]
+    mass, arms, across = lumps.masses[own], lumps.arms[own, 0], lumped[:, own]
+    shift = across.sum(axis=1) / mass.sum()
+    turn = across @ arms / (mass @ arms**2)
+    across = across - mass * (shift[:, None] + turn[:, None] * arms)
+    if known is not None:
+        across = across + known.across
+    return OwnSwing(np.broadcast_to(lumps.places[own, 0], across.shape), across)
 
 
 def pushed_motion(modes: LinkageModes, hold: Coordinate) -> Motion:

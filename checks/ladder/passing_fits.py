@@ -193,5 +193,6 @@ def _some_of(loads: PartLoads, level: Level, judged: Sequence[Judged]) -> PartLo
         stretch_of=None if loads.stretch_of is None else loads.stretch_of[chosen],
         path=None if loads.path is None else loads.path[chosen],
         spins={name: spin[chosen] for name, spin in loads.spins.items()},
+        own_swing={place: across[chosen] for place, across in loads.own_swing.items()},
         doubts=(),
     )

@@ -357,8 +357,10 @@ def _of_tilt(part: Part, loads: PartLoads) -> dict[str, float]:
 
 def _of_loads(part: Part, loads: PartLoads) -> dict[str, float]:
     """How it is pulled and pushed at its second interface, pressed across and turned."""
-    largest = loads.largest_force
+    largest, model = loads.largest_force, shape_model(part.geometry)
     if part.body is None or not largest or len(loads.wrenches) < 2:
+        return {}
+    if model is not None and model.statics:
         return {}
     second = loads.wrenches[part.geometry.interfaces[1]]
     across, turned = (

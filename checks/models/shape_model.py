@@ -25,9 +25,12 @@ class ShapeModel(Generic[S]):
     family  of a part, its shape, loads and a kind of check: name of the solids that error bars are
             from, which carry their loads as it does; the shape's name where nothing else is said
     tilts   True if couples out of the linkage's plane are in the stress
+    statics True if its stress is a slender bar's by statics alone, whatever balances the bending:
+            solids lie as near under other shares of its loads
     """
 
     shape: type[S]
     stress: Callable[[Part, S, PartLoads], RungModel | None]
     family: Callable[[Part, S, PartLoads, str], str] = _by_name
     tilts: bool = False
+    statics: bool = False

@@ -118,6 +118,8 @@ class PartLoads:
     path           (n,) coordinate along which the positions of cycles lie, mm or rad; NaN in
                    measured runs; None where it is not known
     doubts         what the loads may be instead
+    own_swing      mm along x -> (n,) N across, there: inertia of the part as it bends, beyond its
+                   accelerations', in balance by itself
     """
 
     wrenches: Mapping[str, FloatArray]
@@ -132,6 +134,7 @@ class PartLoads:
     path: FloatArray | None = None
     doubts: tuple[PartDoubt, ...] = ()
     spins: Mapping[str, FloatArray] = field(default_factory=dict)
+    own_swing: Mapping[float, FloatArray] = field(default_factory=dict)
 
     @property
     def steps(self) -> IntArray:
@@ -282,7 +285,30 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
             for doubt in doubts
         ),
         {name: np.concatenate(parts) for name, parts in spins.items()},
+        _own_swing(part, placing, {name: solved[name] for name in slices}, design.load_factor),
     )
+
+
+def _own_swing(part: Part, placing: Placing, runs: Runs, factor: float) -> dict[float, FloatArray]:
+    """Inertia of a part as it bends, as in `PartLoads`; none of a part beside its body's x axis."""
+    c, s = cos(placing.angle), sin(placing.angle)
+    cycles = {name: run for name, run in runs.items() if isinstance(run, loads.CycleLoads)}
+    found = {name: run.own_swing.get(str(part.body)) for name, run in cycles.items()}
+    swings = {name: own for name, own in found.items() if own is not None}
+    if not swings or abs(s) > TIE:
+        return {}
+    places = next(iter(swings.values())).places[0]
+    return {
+        c * (x - placing.origin[0]): np.concatenate(
+            [
+                factor * c * swings[name].across[:, k]
+                if name in swings
+                else np.zeros(len(run.positions))
+                for name, run in runs.items()
+            ]
+        )
+        for k, x in enumerate(places.tolist())
+    }
 
 
 def stretches_of(cycle: loads.CycleLoads | loads.MeasuredLoads) -> IntArray:

@@ -162,6 +162,7 @@ class Finer:
         forces = zip(names, ends[:-1], ends[1:], strict=True)
         rest = ends[-1] + loads.accelerations.shape[1]
         turn = rest + len(loads.reaches)
+        bent = turn + len(loads.spins)
         return replace(
             loads,
             wrenches={name: np.ascontiguousarray(found[:, a:b]) for name, a, b in forces},
@@ -174,6 +175,7 @@ class Finer:
             path=None,
             doubts=(),
             spins={name: found[:, turn + k].copy() for k, name in enumerate(loads.spins)},
+            own_swing={x: found[:, bent + k].copy() for k, x in enumerate(loads.own_swing)},
         )
 
 
@@ -219,7 +221,8 @@ _curves_of_level: WeakKeyDictionary[Stressed, Curves] = WeakKeyDictionary()
 def _load_curves(loads: PartLoads) -> Curves:
     """The curves of all columns of a part's loads, made once."""
     if loads not in _curves_of_loads:
-        more = [own[:, None] for own in (*loads.reaches.values(), *loads.spins.values())]
+        others = loads.reaches, loads.spins, loads.own_swing
+        more = [own[:, None] for some in others for own in some.values()]
         columns = np.hstack([*loads.wrenches.values(), loads.accelerations, *more])
         _curves_of_loads[loads] = Curves.of(loads, columns)
     return _curves_of_loads[loads]

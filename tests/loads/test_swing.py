@@ -1,5 +1,7 @@
 """Swing between blows: a mass that a crank pushes to and fro on a spring, against a stop."""
 
+import importlib
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -83,10 +85,10 @@ def alone(force, times, cycles):
 def test_a_mass_on_a_spring_bounces_on_an_elastic_stop_as_integrated_by_itself():
     """Every bounce, the force in the spring, and what the next cycle begins with."""
     stiffness = 60.0
-    _, free, found = swung(loads.Struck(stiffness))
+    touching, free, found = swung(loads.Struck(stiffness))
     times = free.times
     apart = np.append(True, np.diff(times) > 0)
-    place, _ = alone(lambda x, _: stiffness * max(x - 205.0, 0.0), times[apart], 12)
+    place, rate = alone(lambda x, _: stiffness * max(x - 205.0, 0.0), times[apart], 12)
     assert found.swing.changed < 0.005
     assert found.swing.missing < 1e-6
     assert len(found.swing.strikes) == 2
@@ -96,6 +98,12 @@ def test_a_mass_on_a_spring_bounces_on_an_elastic_stop_as_integrated_by_itself()
     # of the spring alone, as damping of a mode is of no joint
     spring = SPRING * (way(times[apart])[0] - place)
     assert_allclose(found.loads.reactions["spring"].force[apart, 0], spring, atol=2.0)
+    # the drive gives what spring and dashpot ask of it over the cycle
+    sled, pace = way(times[apart])
+    pull = SPRING * (sled - place) + 2 * DAMPING * OMEGA * MASS * (pace - rate)
+    work = np.trapezoid(pull * pace, times[apart])
+    assert found.loads.drive("drive").work == pytest.approx(work, rel=0.02)
+    assert touching.drive("drive").work < 0.5 * work
     assert max(found.loads.equilibrium_residual.values()) < 1e-9
     assert found.loads.power_balance_error < 1e-9
 
@@ -137,9 +145,31 @@ def test_a_drive_that_is_not_held_is_asked_for_the_work_of_the_swing():
     assert held == 0.0
 
 
+def test_a_swing_that_settles_slowly_is_found_without_waiting_for_it(monkeypatch):
+    """Newton's cycle is the one that it settles to, at half a percent of damping."""
+    touching, cycle, contact = pushed(loads.Struck(60.0))
+    free = loads.without_contact(touching, cycle, "stop")
+    response = cycle_response(free, 0.005)
+
+    def found():
+        return loads.swung_cycle(touching, free, free, response, "stop", contact, 0.005).swing
+
+    sought = found()
+    module = importlib.import_module("loads.swing")
+    monkeypatch.setattr(module, "_PATIENCE", 99)
+    monkeypatch.setattr(module, "_REPEATS", 1e-3)
+    waited = found()
+    assert sought.turns == 9
+    assert sought.changed < 1e-3
+    assert waited.turns > 15
+    assert len(sought.strikes) == len(waited.strikes)
+    for one, other in zip(sought.strikes, waited.strikes, strict=True):
+        assert one.speed == pytest.approx(other.speed, rel=0.01)
+
+
 def test_a_swing_that_never_repeats_says_so(monkeypatch):
     """Hardly damped on a stiff stop it bounces otherwise in every cycle, of 8 in place of 40."""
-    monkeypatch.setattr("loads.swing._TURNS", 8)
+    monkeypatch.setattr(importlib.import_module("loads.swing"), "_TURNS", 8)
     touching, cycle, contact = pushed(loads.Struck(5e3), at=200.0)
     free = loads.without_contact(touching, cycle, "stop")
     response = cycle_response(free, 1e-4)

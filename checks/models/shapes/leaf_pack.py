@@ -44,7 +44,7 @@ def stress(part: Part, shape: LeafPack, loads: PartLoads) -> RungModel:
 
 
 def leaf_bar(part: Part, shape: LeafPack, loads: PartLoads) -> BarLoads:
-    """All loads of a leaf pack along its axis: contact, clamps, its own inertia."""
+    """All loads of a leaf pack along its axis: contact, clamps, inertia as it moves and bends."""
     area = shape.leaves * shape.thickness * shape.width
     ends = np.array([-shape.arm, 0.0, shape.length + shape.overhang])
     cuts = fine_cells(ends, 192)
@@ -57,6 +57,10 @@ def leaf_bar(part: Part, shape: LeafPack, loads: PartLoads) -> BarLoads:
     points: list[tuple[float | FloatArray, FloatArray]] = [(reach, contact)]
     points += _clamped(loads.wrenches["pivot"], 0.0, shape.clamp_length)
     points += _clamped(loads.wrenches["rod"], shape.length, shape.rod_length)
+    for place, across in loads.own_swing.items():
+        bending = np.zeros_like(contact)
+        bending[:, 1] = across
+        points.append((place, bending))
     return balanced_bar(points, (cuts[1:] + cuts[:-1]) / 2, mass, loads.accelerations)
 
 
@@ -110,4 +114,4 @@ def _deflection(part: Part, shape: LeafPack, bar: BarLoads) -> float:
     return float(np.abs(deflection(moment[:, chosen], stiffness, places)).max())
 
 
-MODEL = ShapeModel(LeafPack, stress)
+MODEL = ShapeModel(LeafPack, stress, statics=True)

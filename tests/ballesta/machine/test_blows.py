@@ -24,6 +24,9 @@ from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.machine.validity_checks import load_gates
 from ballesta.pipeline import NOT_CHECKED, _not_checked
 from checks.design.errors import DesignError
+from checks.models.shapes.leaf_pack import leaf_bar
+from checks.part.part_loads import loads_on
+from loads import moments_of_blows
 from reports.loads_page import loads_html
 from reports.loads_text import loads_text
 
@@ -245,6 +248,31 @@ def test_the_hammer_forges_with_the_energy_of_its_ram(forging):
     assert blow_subject(design, solved, found.blows) == subject
 
 
+def test_the_leaves_bending_at_their_clamp_goes_on_through_the_touch(forging):
+    """No moment at R jumps as the ram is stopped: inertia of the leaves carries the slot's force.
+
+    With the inertia of a rigid pack alone it would, to less than half and to 1.4 times.
+    """
+    design, solved = forging('{ yields = "30 kN" }')
+    cycle = transients_of(design, solved).cycles[FORGING]
+    part = design.parts["leaves"]
+    loaded = loads_on(design, part, {FORGING: cycle})
+    moments = np.flatnonzero(moments_of_blows(cycle))
+    assert np.hypot(*cycle.reactions["slot"].force[moments[:20]].T).max() > 1500.0
+
+    def at_pivot(some):
+        bar = leaf_bar(part, part.geometry, some)
+        return bar.at(np.zeros(1)).moment_z[0, moments[0] - 1 : moments[20]]
+
+    with_it, without = (at_pivot(some) for some in (loaded, replace(loaded, own_swing={})))
+    assert with_it / with_it[0] == pytest.approx(1.0, abs=0.05)
+    assert (without / without[0]).min() < 0.6
+    own = np.array(list(loaded.own_swing.values()))
+    places = np.array(list(loaded.own_swing))
+    assert np.abs(own.sum(axis=0)).max() < 1e-9 * np.abs(own).max()
+    assert np.abs(places @ own).max() < 1e-9 * np.abs(own).max() * np.ptp(places)
+
+
 def test_a_machine_too_fast_for_its_own_forces_stays_not_valid(forging):
     """At 10 rad/s 1.66 without any blow: not valid, until what vibration adds is on the loads."""
     design, _ = forging('{ yields = "30 kN" }')
@@ -325,9 +353,11 @@ def test_the_hammer_forges_by_motor_and_flywheel(forging, answers):
     else:
         expected = blow.speed * np.sqrt(20e3 * 0.03985)
         assert 1.0 < blow.blow.force.max() / expected < 1.06
-    for figure in ("work", "mean_power", "speed"):
-        with_it, without = (one[FORGING].drive("drive") for one in (whole, solved))
-        assert getattr(with_it, figure) == getattr(without, figure)
+    with_it, without = (one[FORGING].drive("drive") for one in (whole, solved))
+    assert with_it.speed == without.speed
+    left = sum(one.blow.energy for one in struck.blows)
+    assert with_it.work > max(1.2 * left, 1e3)  # damping takes the rest
+    assert with_it.mean_power == pytest.approx(with_it.work / whole[FORGING].times[-1])
     with_it, without = (motor_figures(design, one[FORGING]) for one in (whole, solved))
     assert (with_it.effective, with_it.missing) == (without.effective, without.missing)
     assert len(with_it.speed) == len(whole[FORGING].times)

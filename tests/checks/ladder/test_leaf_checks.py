@@ -13,6 +13,9 @@ from checks.design.materials import known_materials
 from checks.ladder import leaf_checks, leaf_friction
 from checks.ladder.leaf_checks import gap_gate, with_leaf_checks
 from checks.ladder.leaf_friction import rubbed
+from checks.models.bands import SHARE, known_band, proportions_of
+from checks.models.checked import rung_level
+from checks.models.shapes import leaf_pack
 from checks.part.loaded_part import FIRST, LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from checks.result.verdict import Check, PartResult
@@ -319,6 +322,32 @@ def test_a_couple_of_the_rod_bends_the_leaves_with_its_force(tmp_path, models):
         turned = replace(loads, wrenches=wrenches)
         right = leaf_bending(part.geometry, level_of(part, turned, models), 15.0)
         assert_allclose(right, (500 * 150 / 160 * 145 + couple) / 540, rtol=0.02)
+
+
+@pytest.mark.parametrize("way", ["rod and pivot", "couple at the pivot", "inertia"])
+def test_the_formula_of_leaves_holds_however_their_bending_is_balanced(tmp_path, models, way):
+    """Statics alone: the contact's force against a rod, a clamp's couple, or their own inertia.
+
+    So that shares of its loads are no proportion of a pack.
+    """
+    design, part, cycles, loads = rocker(tmp_path, models, '"500 N"')
+    wrenches = {name: wrench.copy() for name, wrench in loads.wrenches.items()}
+    force, moment = (wrenches["contact"][:, row].copy() for row in (1, 5))
+    accelerations = loads.accelerations.copy()
+    if way != "rod and pivot":
+        wrenches["rod"][:] = 0.0
+        wrenches["pivot"][:, 1] = -force
+        wrenches["pivot"][:, 5] = -moment
+    if way == "inertia":
+        wrenches["pivot"][:] = 0.0
+        accelerations[:] = 0.0  # balanced by what a rigid acceleration makes up for
+    other = replace(loads, wrenches=wrenches, accelerations=accelerations)
+    solid = level_of(part, other, models).peak.value
+    formula = leaf_pack.stress(part, part.geometry, other)
+    level = rung_level(LoadedPart(design, part, other, cycles), formula)
+    band = known_band("leaf_pack", "formula", "static")
+    assert not [name for name in proportions_of(part, other) if name.startswith(SHARE)]
+    assert band.low < solid / level.peak.value < band.high
 
 
 @pytest.mark.slow
