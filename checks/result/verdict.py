@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 NOT_MESHED = "not meshed"  # the only field on the surface of a part that no stress is known on
 _BARS = ("numerical", "model", "model_below")  # of a check: None in plain data where infinite
 _NUMBERS = ("value", "limit", "required", "sampling", "loads", "loads_below", "span")
+_BARS = ("numerical", "model", "model_below")
 
 
 class Status(StrEnum):
@@ -24,10 +25,6 @@ class Status(StrEnum):
     PASS = "pass"
     UNDECIDED = "UNDECIDED"
     FAIL = "FAIL"
-
-
-_NUMBERS = ("value", "numerical", "model", "model_below", "limit", "required", "sampling", "loads",
-            "loads_below", "span")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -81,7 +78,7 @@ class Check:
     derivation: "Derivation | None" = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
-        for name in _NUMBERS:  # NumPy writes its own numbers otherwise
+        for name in (*_NUMBERS, *_BARS):  # NumPy writes its own numbers otherwise
             value = getattr(self, name)
             object.__setattr__(self, name, None if value is None else float(value))
         if not self.required > 0 or not self.limit > 0:
