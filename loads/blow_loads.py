@@ -21,9 +21,8 @@ import numpy as np
 from loads.blow_force import BlowForce, Course, Struck, blow_force
 from loads.bodies import BoolArray, FloatArray, IntArray, LinkageError
 from loads.contact import Touch
-from loads.cycle_loads import CycleLoads
+from loads.cycle_loads import CycleLoads, OwnSwing
 from loads.forces import JointLoad, unit_forces
-from loads.point_loads import OwnSwing
 from loads.vibration import (
     LinkageModes,
     cycle_modes,

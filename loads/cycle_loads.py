@@ -14,13 +14,13 @@ import numpy as np
 from loads.assembly import worst_gaps
 from loads.bodies import GROUND, BoolArray, FloatArray, IntArray, LinkageError, nearest
 from loads.contact import Touch, rigidly_joined
-from loads.drive import DriveFigures, drive_figures, in_swing, kinetic_energy
+from loads.drive import DriveFigures, drive_figures, kinetic_energy
 from loads.forces import ForceSolution, JointLoad
 from loads.joints import Coordinate, Distance, PointCoordinate, Prismatic, Revolute, Slot
 from loads.kinematics import Kinematics, dot, rotated, turned_left
 from loads.linkage import Linkage
 from loads.motion import Motion
-from loads.point_loads import LoadHistory, OwnSwing, PointLoad, body_loads
+from loads.point_loads import LoadHistory, PointLoad, body_loads
 
 LEAST_SIZE = 1e-9  # over the largest load: below it stands what rounding leaves of balanced halves
 Solved = Sequence[tuple[Motion, ForceSolution]]
@@ -95,6 +95,18 @@ class ContactLoads:
 
 
 @dataclass(frozen=True, eq=False)
+class OwnSwing:
+    """Inertia of a beam as it bends, beyond its rigid motion's, in balance by itself.
+
+    places  (n, k) mm along x of the body
+    across  (n, k) N on the body there, along its y
+    """
+
+    places: FloatArray
+    across: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class CycleLoads:
     """Motion and loads at every position of one cycle.
 
@@ -114,7 +126,6 @@ class CycleLoads:
     unresolved     what the positions miss of loads that rise between them
     unstruck       the cycle without the moments of its blows; None where there are none
     swings         True for one that swings by its blows; `touches` then are those as if slowly
-    swing_work     N mm a cycle of what sets the pace; None for a cycle that does not swing
     own_swing      of beams that vibrate or are struck, by body
     """
 
@@ -137,7 +148,6 @@ class CycleLoads:
     unresolved: Unresolved = NOTHING
     unstruck: "CycleLoads | None" = None
     swings: bool = False
-    swing_work: float | None = None
     own_swing: Mapping[str, OwnSwing] = field(default_factory=dict)
 
     @property
@@ -281,8 +291,7 @@ class CycleLoads:
     def drive(self, force: str) -> DriveFigures:
         """Return the effort, work and power of a force or torque over the cycle.
 
-        Of the cycle without blows, in whose moments the poses stay, but for the extreme efforts. Of
-        one that swings by its blows, what sets the pace gives what workpiece and damping take.
+        Of the cycle without blows, in whose moments the poses stay, but for the extreme efforts.
         """
         cycle = self.unstruck or self
         figures = drive_figures(
@@ -295,14 +304,7 @@ class CycleLoads:
             cycle.heading,
         )
         own = self.efforts[force]
-        figures = replace(figures, smallest=float(own.min()), largest=float(own.max()))
-        rate = self.rate(force)
-        gradient = self._kinematics.gradient(self.pace, self.poses)
-        pace = dot(gradient, self.velocities.reshape(len(self.positions), -1))
-        if self.swing_work is None or not np.allclose(np.abs(rate), np.abs(pace)):
-            return figures
-        push = self.linkage.force(force).sign * own
-        return in_swing(figures, push, rate, self.times, self.swing_work)
+        return replace(figures, smallest=float(own.min()), largest=float(own.max()))
 
     def rate(self, force: str) -> FloatArray:
         """Return the rate of a force's coordinate (n,) [mm/s or rad/s]."""

@@ -1,7 +1,7 @@
 """Effort, work and power of a drive over a cycle, and the irregularity of its speed."""
 
 from collections.abc import Collection
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -120,31 +120,6 @@ def drive_figures(
         mean_reduced_mass=mean_mass,
         speed=way / duration if duration else 0.0,
         energy_ripple=ripple,
-    )
-
-
-def in_swing(
-    figures: DriveFigures, push: FloatArray, rate: FloatArray, times: FloatArray, work: float
-) -> DriveFigures:
-    """Return figures of a drive whose linkage swings by its blows.
-
-    push, rate  (n,) N or N mm, and mm/s or rad/s, that the drive keeps; times (n,) s
-    work        N mm a cycle; efforts, without the damping of modes, have less
-    """
-    steps = np.diff(times)
-
-    def sums(values: FloatArray) -> FloatArray:
-        return np.concatenate([[0.0], np.cumsum(0.5 * (values[:-1] + values[1:]) * steps)])
-
-    done, way = sums(push * rate), sums(rate)
-    mean = float(done[-1] / way[-1])
-    return replace(
-        figures,
-        mean_effort=work / float(way[-1]),
-        work=work,
-        mean_power=work / float(times[-1] - times[0]),
-        peak_power=float(np.abs(push * rate).max()),
-        energy_ripple=None if figures.energy_ripple is None else float(np.ptp(done - mean * way)),
     )
 
 

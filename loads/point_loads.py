@@ -100,18 +100,6 @@ class LoadHistory:
 
 
 @dataclass(frozen=True, eq=False)
-class OwnSwing:
-    """Inertia of a beam as it bends, beyond its rigid motion's, in balance by itself.
-
-    places  (n, k) mm along x of the body
-    across  (n, k) N on the body there, along its y
-    """
-
-    places: FloatArray
-    across: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
 class PointLoad:
     """One force and couple on a body, at one of its points.
 

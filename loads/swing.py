@@ -72,22 +72,18 @@ class Swing:
 
     force    (n,) N at the times asked for
     modal    (n, k) mm sqrt(t)
-    rates    (n, k) mm sqrt(t)/s
     strikes  in their order
     turns    cycles until it repeats
     changed  by how much the next cycle begins otherwise, over the largest deformation
     missing  energy that is not accounted for, over what motion and drive gave
-    work     N mm, that modes and workpiece take over the cycle
     """
 
     force: FloatArray
     modal: FloatArray
-    rates: FloatArray
     strikes: tuple[Strike, ...]
     turns: int
     changed: float
     missing: float
-    work: float
 
 
 def swing(
@@ -129,12 +125,10 @@ def swing(
     return Swing(
         run.forces(times, states),
         states[:, :own],
-        states[:, modes : modes + own],
         tuple(replace(one, modal=one.modal[:own], rates=one.rates[:own]) for one in strikes),
         turns,
         changed,
         run.missing(state),
-        float(state[-2]),
     )
 
 
@@ -218,15 +212,7 @@ def swung_cycle(
         times,
     )
     loads = _with_swing(free, elastic, response, unit, found, omega, kept, shares, sense, force)
-    loads = replace(
-        loads,
-        touches=touching.touches,
-        unstruck=touching,
-        swings=True,
-        swing_work=elastic.drive(modes.holder).work
-        + found.work
-        + _with_free(free, elastic, response, found, omega, kept, damping),
-    )
+    loads = replace(loads, touches=touching.touches, unstruck=touching, swings=True)
     shown = replace(free, touches=touching.touches)
     stretched = replace(free, linkage=elastic.linkage)
     least = _HARD * max((one.speed for one in found.strikes), default=0.0)
@@ -247,30 +233,6 @@ def swung_cycle(
             )
     surge = _surge(touching, loads, modes.holder, inertia)
     return SwungCycle(found, loads, tuple(blows), surge, 1.0 - swinging_share / modal)
-
-
-def _with_free(
-    free: CycleLoads,
-    elastic: CycleLoads,
-    response: CycleResponse,
-    found: Swing,
-    omega: FloatArray,
-    kept: IntArray,
-    damping: float,
-) -> float:
-    """Work that damping takes of both motions together, beyond its share of the swing alone.
-
-    2 zeta omega (2 q' f' + f'^2), f the modes in the free cycle.
-    """
-    total = 0.0
-    for place, k in enumerate(kept.tolist()):
-        mode = response.responses[k]
-        values = mode.slow if free.reactions is elastic.reactions else mode.dynamic
-        rates = np.gradient(values, mode.times) / omega[place]
-        own = np.interp(mode.times, free.times, found.rates[:, place])
-        lost = 2.0 * damping * omega[place] * (2.0 * own * rates + rates**2)
-        total += float(np.trapezoid(lost, mode.times))
-    return total
 
 
 def _omega(response: CycleResponse, k: int, row: int, pick: str) -> float:

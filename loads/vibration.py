@@ -20,14 +20,13 @@ import numpy as np
 
 from loads.bodies import Body, FloatArray, IntArray, LinkageError
 from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
-from loads.cycle_loads import CycleLoads
+from loads.cycle_loads import CycleLoads, OwnSwing
 from loads.elasticity import LoadState, beam_loads, section_forces, wrenches_on
 from loads.forces import ForceSolution, JointLoad, unit_forces
 from loads.joints import Angle, Coordinate, Distance, Force, PointCoordinate, Revolute
 from loads.kinematics import Kinematics, rotated, turned_left
 from loads.linkage import Linkage
 from loads.motion import Motion, coordinate_share
-from loads.point_loads import OwnSwing
 
 _POINTS = 5  # along a beam; the first mode between two pins is then 0.02 % off
 _GAUSS = 0.5 / np.sqrt(3.0)  # two points integrate the product of two linear moments exactly

@@ -85,10 +85,10 @@ def alone(force, times, cycles):
 def test_a_mass_on_a_spring_bounces_on_an_elastic_stop_as_integrated_by_itself():
     """Every bounce, the force in the spring, and what the next cycle begins with."""
     stiffness = 60.0
-    touching, free, found = swung(loads.Struck(stiffness))
+    _, free, found = swung(loads.Struck(stiffness))
     times = free.times
     apart = np.append(True, np.diff(times) > 0)
-    place, rate = alone(lambda x, _: stiffness * max(x - 205.0, 0.0), times[apart], 12)
+    place, _ = alone(lambda x, _: stiffness * max(x - 205.0, 0.0), times[apart], 12)
     assert found.swing.changed < 0.005
     assert found.swing.missing < 1e-6
     assert len(found.swing.strikes) == 2
@@ -98,12 +98,6 @@ def test_a_mass_on_a_spring_bounces_on_an_elastic_stop_as_integrated_by_itself()
     # of the spring alone, as damping of a mode is of no joint
     spring = SPRING * (way(times[apart])[0] - place)
     assert_allclose(found.loads.reactions["spring"].force[apart, 0], spring, atol=2.0)
-    # the drive gives what spring and dashpot ask of it over the cycle
-    sled, pace = way(times[apart])
-    pull = SPRING * (sled - place) + 2 * DAMPING * OMEGA * MASS * (pace - rate)
-    work = np.trapezoid(pull * pace, times[apart])
-    assert found.loads.drive("drive").work == pytest.approx(work, rel=0.02)
-    assert touching.drive("drive").work < 0.5 * work
     assert max(found.loads.equilibrium_residual.values()) < 1e-9
     assert found.loads.power_balance_error < 1e-9
 
