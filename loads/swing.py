@@ -42,8 +42,6 @@ _SHARE = 0.05  # of the compliance of all modes at the contact: one below it fol
 _STIFF = 0.01  # of it: what gives way without mass before a workpiece that only yields is rigid
 _TOLERANCE = 1e-7
 _TURNS = 40  # cycles, one after another, at most
-_PATIENCE = 8  # cycles that are waited for before the steady one is sought
-_STEPS, _NUDGE, _CLOSED = 6, 1e-3, 1e-4  # of Newton's method; of what a cycle begins with
 _REPEATS = 0.005  # of the largest deformation: what the next cycle may begin with otherwise
 _SOON = 1e-2  # of a sample's step after it has left: nothing is met again before
 _ROUND_OFF = 1e-12  # of the way
@@ -110,11 +108,14 @@ def swing(
     if run.depth(0.0, state) > 0.0:
         raise LinkageError("it touches as the cycle begins")
     while changed > _REPEATS and turns < _TURNS:
-        if turns == _PATIENCE and mode == "free":
-            state = _steady(run, state, float(times[-1]))
         turns += 1
         before = state[: 2 * modes]
-        found, strikes, state, mode = _turn(run, before, mode, float(times[-1]))
+        run.given = run.energy(state)
+        state = np.append(before, np.zeros(3))
+        run.pieces = []
+        if mode == "free" and run.depth(0.0, state) <= 0.0:
+            run.set = 0.0  # another workpiece
+        found, strikes, state, mode = _cycle(run, state, mode, float(times[-1]))
         states = _at(run, found, times)
         deformed = np.hypot(run.omega * states[:, :modes], states[:, modes : 2 * modes])
         change = state[: 2 * modes] - before
@@ -320,54 +321,6 @@ def _surge(touching: CycleLoads, swung: CycleLoads, holder: str, inertia: float)
     work = np.concatenate([[0.0], np.cumsum(steps)])
     even = work - work[-1] * touching.times / touching.times[-1]
     return float(np.ptp(even) / (inertia * np.mean(rate**2)))
-
-
-def _turn(
-    run: BlowRun, start: FloatArray, mode: str, period: float
-) -> tuple[list[Any], list[Strike], FloatArray, str]:
-    """A cycle, as `_cycle`, from places and rates (2 k,) of the modes on."""
-    state = np.append(start, np.zeros(3))
-    run.given = run.energy(state)
-    run.pieces = []
-    if mode == "free" and run.depth(0.0, state) <= 0.0:
-        run.set = 0.0  # another workpiece
-    return _cycle(run, state, mode, period)
-
-
-def _steady(run: BlowRun, state: FloatArray, period: float) -> FloatArray:
-    """State that a cycle ends with as it began, by Newton's method; the one given if none is found.
-
-    What a cycle ends with, f(y), of what it begins with, y of the modes' deformations and rates:
-    y = f(y) is a run that settles only if all multipliers, the eigenvalues of f', are below 1.
-    """
-    weights = np.append(run.omega, np.ones(len(run.omega)))
-    swings = weights > 0.0
-
-    def after(y: FloatArray) -> FloatArray | None:
-        start = y / np.where(swings, weights, 1.0)
-        if run.depth(0.0, np.append(start, np.zeros(3))) > 0.0:
-            return None  # it would begin in touch
-        _, _, end, mode = _turn(run, start, "free", period)
-        return weights * end[: len(y)] if mode == "free" else None
-
-    y = weights * state[: len(weights)]
-    end = after(y)
-    for _ in range(_STEPS):
-        if end is None or not swings.all():
-            return state
-        step = _NUDGE * max(float(np.linalg.norm(y)), float(np.linalg.norm(end)))
-        nudged = [after(y + step * way) for way in np.eye(len(y))]
-        ends = [one for one in nudged if one is not None]
-        if len(ends) < len(y) or not step > 0.0:
-            return state
-        slopes = (np.array(ends) - end).T / step
-        y = y + np.linalg.solve(np.eye(len(y)) - slopes, end - y)
-        end = after(y)
-        size = max(float(np.linalg.norm(y)), step)
-        if end is not None and np.linalg.norm(end - y) < _CLOSED * size:
-            settles = np.abs(np.linalg.eigvals(slopes)).max() < 1.0
-            return np.append(y / weights, np.zeros(3)) if settles else state
-    return state
 
 
 def _cycle(
