@@ -485,7 +485,7 @@ def versions_of_libraries() -> dict[str, str]:
 @cache
 def _installed() -> Mapping[str, str]:
     """Versions of our packages, libraries and installed extras: reading them takes 15 ms."""
-    names = ("ballesta", "gmsh", "scikit-fem", "numpy", "scipy")
+    names = ("ballesta", "gmsh", "scikit-fem", "numpy", "scipy", "meshio")
     found = {name: version(name) for name in names}
     for extra in ("scikit-sparse", "pypardiso", "mkl"):
         with suppress(PackageNotFoundError):

@@ -15,6 +15,7 @@ Lumped mass of a linkage that vibrates: points on its beams, one place on every 
 """
 
 from dataclasses import dataclass, replace
+from math import hypot
 
 import numpy as np
 
@@ -348,7 +349,7 @@ def grown(load: JointLoad, unit: JointLoad, size: FloatArray) -> JointLoad:
 def _held(linkage: Linkage, hold: Coordinate) -> tuple[Linkage, str]:
     """Return the linkage without friction, and the name of a force along the held coordinate.
 
-    An angle that no torque drives is held at the pin about which its body turns.
+    An angle that no torque drives is held at the pin about which its body turns (`_pivot`).
     """
     linkage.check_coordinate(hold, "held coordinate")
     bare = replace(linkage, friction={})
@@ -362,14 +363,16 @@ def _held(linkage: Linkage, hold: Coordinate) -> tuple[Linkage, str]:
 
 
 def _pivot(linkage: Linkage, angle: Angle) -> str | None:
-    """Return the pin between the bodies of an angle, or else the first pin of its body."""
-    pins = [
-        joint
+    """Return the pin between the bodies of an angle, or else that nearest its body's origin."""
+    pins = {
+        joint.point: angle.relative_to in (joint.body_a, joint.body_b)
         for joint in linkage.joints
         if isinstance(joint, Revolute) and angle.body in (joint.body_a, joint.body_b)
-    ]
-    pins.sort(key=lambda joint: angle.relative_to not in (joint.body_a, joint.body_b))
-    return pins[0].point if pins else None
+    }
+    body = linkage.body(angle.body)
+    return min(
+        pins, key=lambda point: (not pins[point], hypot(*body.place(point)), point), default=None
+    )
 
 
 def same_coordinate(one: Coordinate, other: Coordinate) -> bool:

@@ -183,6 +183,11 @@ def assumed_of(loaded: LoadedPart, level: Level) -> list[str]:
             f"field up to ({added[0]:.3g}, {added[1]:.3g}) mm/s2 and {added[2]:.3g} rad/s2 "
             "balances the loads on the mesh"
         )
+    if loaded.loads.own_swing:
+        said.append(
+            "where the linkage vibrates or is struck, its inertia is spread as a rigid body's: its "
+            "bending by its own inertia is left out"
+        )
     points, angles = level.edges
     if len(points):
         stress = von_mises(level.history.at(level.peak.position))[points]

@@ -360,16 +360,19 @@ def _of_loads(part: Part, loads: PartLoads) -> dict[str, float]:
     largest, model = loads.largest_force, shape_model(part.geometry)
     if part.body is None or not largest or len(loads.wrenches) < 2:
         return {}
-    if model is not None and model.statics:
-        return {}
     second = loads.wrenches[part.geometry.interfaces[1]]
     across, turned = (
         max(float(np.abs(wrench[:, row]).max()) for wrench in loads.wrenches.values())
         for row in (1, 5)
     )
-    return {
+    along = {
         PULLED: max(float(second[:, 0].max()), 0.0) / largest,
         SHARE + "pushed": max(float(-second[:, 0].min()), 0.0) / largest,
+    }
+    if model is not None and model.statics and loads.own_swing:
+        return along
+    return {
+        **along,
         SHARE + "across": across / largest,
         SHARE + "couple over its size": turned / (largest * part.geometry.length),
     }

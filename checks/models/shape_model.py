@@ -25,8 +25,8 @@ class ShapeModel(Generic[S]):
     family  of a part, its shape, loads and a kind of check: name of the solids that error bars are
             from, which carry their loads as it does; the shape's name where nothing else is said
     tilts   True if couples out of the linkage's plane are in the stress
-    statics True if its stress is a slender bar's by statics alone, whatever balances the bending:
-            solids lie as near under other shares of its loads
+    statics True if it has the inertia of its own bending, and stress by statics alone, whatever
+            balances that: solids lie as near under other shares of loads across it
     """
 
     shape: type[S]

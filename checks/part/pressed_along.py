@@ -2,8 +2,8 @@
 
 Contact is solved with an even pressure along the pin. Where the design has the pin and its stack,
 the line load along it is solved, too (fem/contact/line_load.py), with the least clearance of the
-fit and other lugs as soft as slender forks, which bend it most; the part's own cheeks tilt as its
-mesh does.
+fit and other lugs as soft as slender forks, which bend it nearly as much as free ones; the part's
+own cheeks tilt as its mesh does.
 The judged stress under that pressure is the model band's. Pins with lugs on one side are left out.
 
 What edges have more than under even pressure counts in no band where they are stated to have run

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 NOT_MESHED = "not meshed"  # the only field on the surface of a part that no stress is known on
 _BARS = ("numerical", "model", "model_below")  # of a check: None in plain data where infinite
 _NUMBERS = ("value", "limit", "required", "sampling", "loads", "loads_below", "span")
-_BARS = ("numerical", "model", "model_below")
 
 
 class Status(StrEnum):

@@ -74,6 +74,8 @@ LEAVES = LeafPack(
     clamp_factor=1.3,
 )
 SHAPES = [
+    PLATES[0],
+    PIN,
     PlateLink(length=90.0, width=60.0, thickness=8.0, hole=30.0),
     PlateLink(length=700.0, width=60.0, thickness=8.0, hole=12.0),
     PlateLink(length=60.0, width=40.0, thickness=20.0, hole=18.0),

@@ -1,6 +1,7 @@
 """Natural frequencies of held linkages against closed forms."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ from loads import (
 )
 from loads.elasticity import LoadState, deflection
 from loads.forces import unit_forces
-from loads.vibration import _pushed, cycle_modes, linkage_modes, load_strains
+from loads.vibration import _pivot, _pushed, cycle_modes, linkage_modes, load_strains
 
 from .elastic_machines import PACK, elastic, forged, tip_stiffness
 from .machine_hammer import HAMMER, hammer
@@ -229,6 +230,14 @@ def test_an_angle_that_no_torque_drives_is_held_at_its_pin():
     )
     found, _ = frequencies(pedal, Angle("pedal"))
     assert_allclose(found[0], np.sqrt(3 * EI / (MASS * LENGTH**3)) / (2 * np.pi), rtol=1e-9)
+
+
+@pytest.mark.parametrize("turn", [1, -1])
+def test_of_several_pins_the_one_at_the_origin_of_the_body_holds_its_angle(turn):
+    pins = [Revolute("one", "rod", "lever", "A"), Revolute("other", "rod", "crank", "O")][::turn]
+    bodies = [Body(name, {"A": (9.0, 0.0), "O": (0.0, 0.0)}) for name in ("rod", "lever", "crank")]
+    linkage = SimpleNamespace(joints=pins, body={body.name: body for body in bodies}.get)
+    assert _pivot(linkage, Angle("rod")) == "O"
 
 
 def test_frequencies_do_not_depend_on_the_units_of_the_linkage():

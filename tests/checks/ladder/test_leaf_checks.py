@@ -324,11 +324,14 @@ def test_a_couple_of_the_rod_bends_the_leaves_with_its_force(tmp_path, models):
         assert_allclose(right, (500 * 150 / 160 * 145 + couple) / 540, rtol=0.02)
 
 
+SHARES = {SHARE + name for name in ("pulled", "pushed", "across", "couple over its size")}
+
+
 @pytest.mark.parametrize("way", ["rod and pivot", "couple at the pivot", "inertia"])
 def test_the_formula_of_leaves_holds_however_their_bending_is_balanced(tmp_path, models, way):
     """Statics alone: the contact's force against a rod, a clamp's couple, or their own inertia.
 
-    So that shares of its loads are no proportion of a pack.
+    So shares of loads across it are no proportion of a pack that bends by its own inertia.
     """
     design, part, cycles, loads = rocker(tmp_path, models, '"500 N"')
     wrenches = {name: wrench.copy() for name, wrench in loads.wrenches.items()}
@@ -346,7 +349,10 @@ def test_the_formula_of_leaves_holds_however_their_bending_is_balanced(tmp_path,
     formula = leaf_pack.stress(part, part.geometry, other)
     level = rung_level(LoadedPart(design, part, other, cycles), formula)
     band = known_band("leaf_pack", "formula", "static")
-    assert not [name for name in proportions_of(part, other) if name.startswith(SHARE)]
+    assert {name for name in proportions_of(part, other) if name.startswith(SHARE)} == SHARES
+    swung = replace(other, own_swing={0.0: np.zeros(len(force))})
+    left = {name for name in proportions_of(part, swung) if name.startswith(SHARE)}
+    assert left == {SHARE + "pulled", SHARE + "pushed"}
     assert band.low < solid / level.peak.value < band.high
 
 

@@ -1,5 +1,7 @@
 """Report of a part besides its checks: assumptions, and facts of its shape and loads."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -46,14 +48,14 @@ COUPLES = (
 )
 
 
-def told(folder, text=PLATE, couple=0.0, *, half=False, tilt=0.0):
+def told(folder, text=PLATE, couple=0.0, *, half=False, tilt=0.0, swing=()):
     """Assumptions and facts of a part pulled with 1000 N, and couples, N mm, about z and y."""
     design = machine(folder, text)
     part = design.parts["rod"]
     names = list(part.interfaces)
     wrenches = {name: [(0, 0, 0)] for name in names}
     wrenches[names[0]], wrenches[names[1]] = [(-1000, 0, couple)], [(1000, 0, -couple)]
-    loads = loads_of(wrenches)
+    loads = replace(loads_of(wrenches), own_swing=dict(swing))
     loads.wrenches[names[0]][:, 4] = tilt
     shape = Half(part.geometry) if half else part.geometry
     solutions = Models().solutions(shape, part.fineness * 0.7, elastic_of(part))
@@ -112,3 +114,10 @@ def test_a_couple_that_is_rounding_is_not_told(tmp_path):
         assert (COUPLES in assumed) is expected
         assert any("couple" in name for name in facts) is expected
     assert np.isfinite(facts["largest couple at first [N m]"])
+
+
+def test_a_solid_says_that_it_does_not_bend_by_its_own_inertia(tmp_path):
+    words = "its bending by its own inertia is left out"
+    for swing, expected in (((), False), ([(10.0, np.zeros(1))], True)):
+        assumed, _ = told(tmp_path, swing=swing)
+        assert any(words in text for text in assumed) is expected
