@@ -40,7 +40,7 @@ _BY_SECTIONS = (
     "at most {:.3g} of 1, by formula: stress of the section forces; peaks at bores, fillets and "
     "pressed edges, which the checks count, are not in it: utilisation {} of the check that decides"
 )
-_ALIKE = 1.005  # times the check: facets of the drawn surface stray by less
+_STRAY = 1.005  # times the check: facets of the drawn surface stray by less
 _RELIEVED = (
     "; that is less, as what presses on a bent part relieves it, which the estimate leaves out"
 )
@@ -227,7 +227,7 @@ def _captions(part: PartResult) -> dict[str, tuple[str, str, str]]:
         name = stress_field(estimate)
         most, checked = estimate.fields[name][estimate.peak], deciding_of(part.checks).utilisation
         told_most = _BY_SECTIONS.format(most, utilisation_text(checked))
-        if most > _ALIKE * checked:
+        if most > _STRAY * checked:
             told_most += _RELIEVED
         said = f"{told}. {capitalise(name)}: {told_most}"
         captions[ESTIMATE] = ("The whole part", f"coloured by {name}", said)

@@ -106,7 +106,7 @@ def test_a_bent_pin_presses_the_edges_of_an_eye_more_which_the_band_holds(bent):
         assert "bent pins" in told.words
         assert found.above > 0.02 * found.even
     said = " ".join(assumed_of(loaded, level))
-    assert "the pin bends, which presses up to" in said
+    assert f"the pin bends ({pressed_along.SOFT_LUGS}), which presses up to" in said
     assert "which the band holds as well" in said
 
 
