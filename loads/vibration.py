@@ -24,7 +24,7 @@ from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
 from loads.cycle_loads import CycleLoads, OwnSwing
 from loads.elasticity import LoadState, beam_loads, section_forces, wrenches_on
 from loads.forces import ForceSolution, JointLoad, unit_forces
-from loads.joints import Angle, Coordinate, Distance, Force, PointCoordinate, Revolute
+from loads.joints import Angle, Coordinate, Distance, Force, PointCoordinate, shared_pins
 from loads.kinematics import Kinematics, rotated, turned_left
 from loads.linkage import Linkage
 from loads.motion import Motion, coordinate_share
@@ -364,11 +364,11 @@ def _held(linkage: Linkage, hold: Coordinate) -> tuple[Linkage, str]:
 
 def _pivot(linkage: Linkage, angle: Angle) -> str | None:
     """Return the pin between the bodies of an angle, or else that nearest its body's origin."""
-    pins = {
-        joint.point: angle.relative_to in (joint.body_a, joint.body_b)
-        for joint in linkage.joints
-        if isinstance(joint, Revolute) and angle.body in (joint.body_a, joint.body_b)
-    }
+    pins = {}
+    for joints in shared_pins(linkage.joints):
+        bodies = {body for joint in joints for body in (joint.body_a, joint.body_b)}
+        if angle.body in bodies:
+            pins[joints[0].point] = angle.relative_to in bodies
     body = linkage.body(angle.body)
     return min(
         pins, key=lambda point: (not pins[point], hypot(*body.place(point)), point), default=None

@@ -185,7 +185,7 @@ def assumed_of(loaded: LoadedPart, level: Level) -> list[str]:
         )
     if loaded.loads.own_swing:
         said.append(
-            "where the linkage vibrates or is struck, its inertia is spread as a rigid body's: its "
+            "where the linkage vibrates or is struck, the part has the inertia of a rigid body: its "
             "bending by its own inertia is left out"
         )
     points, angles = level.edges
