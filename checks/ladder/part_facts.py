@@ -185,7 +185,7 @@ def assumed_of(loaded: LoadedPart, level: Level) -> list[str]:
         )
     if loaded.loads.own_swing:
         said.append(
-            "where the linkage vibrates or is struck, the part has the inertia of a rigid body: its "
+            "where the linkage vibrates or is struck, the part has a rigid body's inertia: its "
             "bending by its own inertia is left out"
         )
     points, angles = level.edges
