@@ -210,6 +210,7 @@ class Part:
     bushes: Mapping[str, Material] = field(default_factory=dict)  # of a pin: lug -> its bush's
     # bore -> "run_in" edges, as stated: pressed evenly along
     bore_edges: Mapping[str, str] = field(default_factory=dict)
+    loose_pin: bool = False  # whether a stated fit leaves a narrower arc than solids compare
     fit_assumed: str = ""  # where `clearances` are from if the file states no fit, in words
 
 

@@ -333,7 +333,7 @@ def band_around(part: Part, loads: PartLoads, model: RungModel, check: Check) ->
         return NoBand(f"the rung {FORMULA} leaves {model.residual:.3g} of the loads out of balance")
     if not check.value > 0.0:
         return NoBand(f"the rung {FORMULA} finds nothing where the part is loaded")
-    if part.clearances and not part.arc_stated and check.kind != BUCKLING:
+    if part.loose_pin and check.kind != BUCKLING:
         return NoBand(
             "a fit is stated with which contact may exceed what assumed arcs make: it is solved on "
             "a solid only"

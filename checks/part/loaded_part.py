@@ -248,11 +248,12 @@ def with_fits(
     pins  point -> the part that is the pin of its joint; where there is none, the pin is of the
           part's own material
 
-    A bore without a stated fit keeps the part's arc.
+    A bore without a stated fit keeps the part's arc. A pin is loose where its arc is narrower than
+    those on which formulas were compared with solids.
     """
     if not part.clearances:
         return part
-    arcs, known = [], True
+    arcs, known, loose = [], True, False
     for face in interfaces:
         if face.kind != "bore":
             continue
@@ -264,9 +265,9 @@ def with_fits(
         arc = _WIDEST
         if p := _parameter(part, pin or part, face, loads):
             arc = min(_ARC / sqrt(p), _WIDEST)
-        known = known and arc >= _COMPARED
+        loose = loose or arc < _COMPARED
         arcs.append(max(arc, _COMPARED))
-    return replace(part, bearing_arc=min(arcs), arc_stated=known)
+    return replace(part, bearing_arc=min(arcs), arc_stated=known and not loose, loose_pin=loose)
 
 
 def _parameter(part: Part, pin: Part, face: Interface, loads: PartLoads) -> float:

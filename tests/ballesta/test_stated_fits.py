@@ -16,7 +16,7 @@ from checks.ladder.solid import check_solid
 from checks.models import shapes
 from checks.models.bands import NoBand
 from checks.models.checked import band_around, rung_estimates, rung_level
-from checks.part.loaded_part import LoadedPart
+from checks.part.loaded_part import LoadedPart, with_fits
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, Status
 from checks.result.ways import clearance_fact, mesh_that_settles
@@ -200,15 +200,32 @@ def test_a_pin_that_carries_nothing_is_refused(tmp_path):
         solved(loaded)
 
 
-def test_models_below_the_solid_do_not_decide_stress_of_a_part_with_fits(tmp_path):
-    loaded = rod(tmp_path, 'fits = { first = "H7/f7", second = "H7/f7" }')
+def by_formula(loaded, kind):
+    """The static or the fatigue check, and its band."""
+    faces = loaded.part.geometry.placed_interfaces
+    loaded = replace(loaded, part=with_fits(loaded.part, loaded.loads, faces, {}))
     model = shapes.model_of(loaded.part, loaded.loads)
     level = rung_level(loaded, model)
-    estimates = rung_estimates(loaded, level, fatigue_use(loaded), lambda _: model)
-    for kind in ("static", "fatigue"):
-        band = band_around(loaded.part, loaded.loads, model, estimates[kind].check)
-        assert isinstance(band, NoBand)
-        assert "on a solid only" in band.why
+    found = rung_estimates(loaded, level, fatigue_use(loaded), lambda _: model)[kind].check
+    return found, band_around(loaded.part, loaded.loads, model, found)
+
+
+@pytest.mark.parametrize("kind", ["static", "fatigue"])
+def test_a_close_fit_in_one_bore_leaves_formulas_the_bars_of_arcs_that_are_not_stated(
+    tmp_path, kind
+):
+    """The neat pin's arc is among those that are assumed where nothing is stated."""
+    silent, band = by_formula(rod(tmp_path), kind)
+    found, same = by_formula(rod(tmp_path, 'fits = { second = "0 mm" }'), kind)
+    assert (found.value, found.model, same) == (silent.value, silent.model, band)
+
+
+@pytest.mark.parametrize("kind", ["static", "fatigue"])
+def test_where_a_fit_is_loose_formulas_do_not_decide_stress(tmp_path, kind):
+    loaded = rod(tmp_path, 'fits = { first = "H7/f7", second = "H7/f7" }')
+    _, band = by_formula(loaded, kind)
+    assert isinstance(band, NoBand)
+    assert "on a solid only" in band.why
 
 
 def open_force(folder, stated=""):
