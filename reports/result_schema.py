@@ -200,7 +200,6 @@ _CHANGE = _closed(
     key=_text("of the design file"),
     was=_text("its value"),
     value=_text("its other value"),
-    least=_text("the value at which it just passes, where `value` is the next standard size"),
     parts=_list(_text(), "that pass with it"),
     safety=_or_null(_number(), "of the check that then governs these parts; null: no load"),
     lower_safety=_or_null(_number(), "the same at the end of its error bars"),

@@ -198,9 +198,7 @@ class Estimates:
             return one
         return self.screening.of({key: value}, parts, anew=True)
 
-    def told(
-        self, key: str, was: str, value: str, least: str, parts: tuple[str, ...], one: Screened
-    ) -> Change:
+    def told(self, key: str, was: str, value: str, parts: tuple[str, ...], one: Screened) -> Change:
         """A change with the safety and the mass that are estimated for some parts."""
         _, safety, lower, check = min(self.reserves(one, parts), key=lambda found: found[0])
         decided = self._known.get(_name(check), check).method
@@ -208,7 +206,6 @@ class Estimates:
             key,
             was,
             value,
-            least,
             parts,
             safety,
             lower,
@@ -231,12 +228,11 @@ def _name(check: Check) -> tuple[str, str, str]:
     return check.part, check.kind, "" if alike else check.quantity
 
 
-# Dimensions of a design file as they are changed: read, rounded, at preferred sizes, written.
+# Dimensions of a design file as they are changed: read, at preferred sizes, written.
 
 _DIMENSION = re.compile(r"^\s*(\d+(?:\.\d+)?)\s*(mm|cm|m|deg)\s*$")
 _VARIED = re.compile(r"parts\.\w+\.(\w+(?<!hole)|welds\[\d+\]\.throat)$")  # a pin sets a hole
 _CYLINDER = re.compile(r"cylinders\.\w+\.(rod|wall)$")
-_DIGITS = 2  # of the change, to which a dimension is rounded
 # R20 of ISO 3:1973, as the package renard 1.3 lists it: steps of about 12 %.
 _R20 = (
     1.0, 1.12, 1.25, 1.4, 1.6, 1.8, 2.0, 2.24, 2.5, 2.8, 3.15, 3.55, 4.0, 4.5, 5.0, 5.6, 6.3, 7.1,
@@ -259,27 +255,33 @@ def _read(value: str) -> tuple[float, str] | None:
     return (float(match[1]), match[2]) if match and float(match[1]) else None
 
 
-def rounded(value: float, old: float, *, up: bool) -> float:
-    """Rounded to two digits of the change, and no finer than a hundredth of the old value's."""
-    change = abs(value - old)
-    if not change:
-        return value
-    unit = 10.0 ** max(floor(log10(change)) - _DIGITS + 1, floor(log10(old)) - 2)
-    count = value / unit
-    return round((ceil(count - 1e-9) if up else floor(count + 1e-9)) * unit, 9)
+def standard(value: float, unit: str, *, up: bool) -> float:
+    """The next length of R20, or whole degree, on one side, or the value if it is one.
 
-
-def standard(value: float, *, up: bool) -> float:
-    """The next length of R20 on one side, or the value if it is one.
-
-    >>> standard(6.42, up=True), standard(5.42, up=False), standard(80.0, up=True)
+    >>> standard(6.42, "mm", up=True), standard(5.42, "m", up=False), standard(80.0, "mm", up=True)
     (7.1, 5.0, 80.0)
+    >>> standard(6.42, "deg", up=True)
+    7.0
     """
+    if unit == "deg":
+        return float(ceil(value - 1e-9) if up else floor(value + 1e-9))
     decade = 10.0 ** floor(log10(value))
     sizes = [round(decade * size * ten, 9) for ten in (0.1, 1.0, 10.0) for size in _R20]
     if up:
         return next(size for size in sizes if size >= value * (1 - 1e-9))
     return next(size for size in reversed(sizes) if size <= value * (1 + 1e-9))
+
+
+def within(value: float, old: float, most: float, unit: str, *, up: bool) -> float:
+    """The standard size on one side of a value, but no more than so many times from the old one.
+
+    >>> within(12.6, 6.3, 2.0, "mm", up=True)
+    12.5
+    """
+    size = standard(value, unit, up=up)
+    if size > old * most * (1 + 1e-9):
+        return standard(old * most, unit, up=False)
+    return standard(old / most, unit, up=True) if size < old / most * (1 - 1e-9) else size
 
 
 def written(value: float, unit: str) -> str:

@@ -2,10 +2,10 @@
 
 Every dimension of a part, and its material, is varied by formula (`ballesta.sweeps.estimates`).
 With the reserve r, the least of limit over (upper demand times required safety) of a part's checks,
-and a dimension x, r ~ x^p locally: p from a step of 3 %, then three secant steps on log r over
-log x, rounded to the safe side; then the next length of R20, the preferred numbers of ISO 3, if it
-is a change as well. Where another model than the formula decides, a margin of 10 % is kept: so far
-may their ratio change with the part (7 % seen, tests/ballesta/sweeps/test_promises.py). Friction
+and a dimension x, r ~ x^p locally: p from a step of 3 %, then secant steps on log r over log x,
+each to the next length of R20, the preferred numbers of ISO 3, until the size beside it, less safe,
+does not pass. Where another model than the formula decides, a margin of 10 % is kept: so far may
+their ratio change with the part (7 % seen, tests/ballesta/sweeps/test_promises.py). Friction
 between leaves keeps its share of the stress in a search, and is solved anew for what it finds. A
 change is an estimate until a check by the deciding model has verified it.
 """
@@ -27,8 +27,8 @@ from ballesta.sweeps.estimates import (
     dimension,
     of_cylinder,
     reserve_of,
-    rounded,
     standard,
+    within,
     written,
 )
 from ballesta.sweeps.screen import Screened
@@ -43,10 +43,10 @@ _STEP = 1.03  # of a dimension, as a factor, to find its exponent
 _NEAR = 1.5  # times the least reserve: to pass it a step would need an exponent of 14
 _MATTERS = 0.05  # the least exponent: what changes the reserve less is no way out
 MOST = 2.0  # the largest change that is looked at, as a factor
-_SECANTS = 3
+_SIZES = 4  # of a dimension that are tried
 _HOPELESS = 2.0  # times the largest change, in logarithms, that the exponent asks for: not sought
 _AGAIN = 3  # times that a size is sought, each with the friction of leaves at the one before
-_NEXT = 1e-6  # of a dimension: to the next rounded value
+_NEXT = 1e-6  # of a dimension: to the next standard size
 _BEST = 3
 _HEAVIEST = 2  # shapes that a check of what passes seeks to make lighter
 _TRIES = 8  # of materials, from the weakest that may be strong enough
@@ -258,13 +258,13 @@ class _Search:
                 continue
             old, unit = stated
             size = old
-            while (size := standard(size * (1 + _NEXT), up=True)) <= old * MOST:
+            while (size := standard(size * (1 + _NEXT), unit, up=True)) <= old * MOST:
                 one = self.known.screening.of({key: written(size, unit)}, (), linkage=True)
                 if one.problem or self.known.reserve(one, (LINKAGE,)) >= 1:
                     break
             if size <= old * MOST and not one.problem:
                 value = written(size, unit)
-                found.append(self.known.told(key, text, value, value, (LINKAGE,), one))
+                found.append(self.known.told(key, text, value, (LINKAGE,), one))
         return found
 
     def materials(self, wanted: tuple[str, ...]) -> list[Change]:
@@ -309,7 +309,7 @@ class _Search:
                     > self.known.reserve(self.known.base, (part,))
                 )
                 if parts:
-                    found.append(self.known.told(key, value, name, name, parts, one))
+                    found.append(self.known.told(key, value, name, parts, one))
                     break
         return found
 
@@ -328,7 +328,7 @@ class _Search:
         least = min(map(self.known.before, [*self.known.others(change), LINKAGE]))
         exponent = log(worst / max(least, 1.0)) / log(value[0] / old[0])
         aim = value[0] * exp(-log(worst) / exponent)
-        size = standard(aim, up=old[0] > aim)
+        size = standard(aim, old[1], up=old[0] > aim)
         if not min(value[0], old[0]) < size < max(value[0], old[0]):
             return None
         one = self.known.screened(change.key, size, old[1], change.parts)
@@ -340,7 +340,7 @@ class _Search:
         ):
             return None
         text = written(size, old[1])
-        less = self.known.told(change.key, change.was, text, text, change.parts, one)
+        less = self.known.told(change.key, change.was, text, change.parts, one)
         return less if self.known.beside(less) >= 1 else None
 
     def _formulas_near(self, parts: Sequence[str]) -> bool:
@@ -358,7 +358,7 @@ class _Search:
     def _change(
         self, key: str, old: float, unit: str, parts: tuple[str, ...], exponent: float
     ) -> Change | None:
-        """The least change of a dimension with which the parts pass, at a standard size.
+        """The change to the least safe standard size of a dimension with which the parts pass.
 
         Where they do not with the friction between leaves that it has, it is sought again with the
         share of the stress that friction has there.
@@ -369,11 +369,11 @@ class _Search:
                 found = self._sized(key, old, unit, parts, exponent)
                 if found is None:
                     return None
-                value, least, one = found
-                one = self.known.settled(key, written(value, unit), parts, one)
+                size, one = found
+                one = self.known.settled(key, written(size, unit), parts, one)
                 if not one.problem and self.known.reserve(one, parts) >= 1:
-                    was, now, just = (written(number, unit) for number in (old, value, least))
-                    change = self.known.told(key, was, now, just, parts, one)
+                    was, now = (written(number, unit) for number in (old, size))
+                    change = self.known.told(key, was, now, parts, one)
                     return change if self.known.open or change.saved > 0 else None
                 self.known.screening.rubbing |= one.rubbing
         finally:
@@ -382,57 +382,42 @@ class _Search:
 
     def _sized(
         self, key: str, old: float, unit: str, parts: tuple[str, ...], exponent: float
-    ) -> tuple[float, float, Screened] | None:
-        """A standard size with which the parts pass, if it is a change, and the least size."""
-        outward = exponent > 0  # whether larger is safer
-        least = self._least(key, old, unit, parts, exponent)
-        if least is None:
-            return None
-        value, one = least
-        if unit != "deg" and value != old:
-            size = standard(value, up=outward)
-            beyond = (size > old) if (value > old) else (size < old)
-            if beyond and 1 / MOST <= size / old <= MOST:
-                other = self.known.screening.of(
-                    {key: written(size, unit)}, parts, failed=self.known.fails
-                )
-                if not other.problem and self.known.reserve(other, parts) >= 1:
-                    value, one = size, other
-        return value, least[0], one
-
-    def _least(
-        self, key: str, old: float, unit: str, parts: tuple[str, ...], exponent: float
     ) -> tuple[float, Screened] | None:
-        """The value of a dimension at which the parts just pass."""
-        points = [(old, self.known.reserve(self.known.base, parts))]
-        if -log(points[0][1]) > _HOPELESS * log(MOST) * abs(exponent):
+        """The least safe standard size of a dimension with which the parts pass.
+
+        Beyond the old value where they do not pass with it, short of it where they do. Secants lead
+        there; the next size beside it, less safe, is tried and does not pass.
+        """
+        x, r = old, self.known.reserve(self.known.base, parts)
+        if -log(r) > _HOPELESS * log(MOST) * abs(exponent):
             return None
+        safer = 1 if exponent > 0 else -1
         best: tuple[float, Screened] | None = None
-        outward = exponent > 0
-        p, unknown = exponent, 0.0  # value at which there is no such part, or no error bar
-        for step in range(_SECANTS):
-            x, r = points[-1]
-            aim = x * exp(-log(r) / p)
-            aim = min(max(aim, old / MOST), old * MOST)
-            if unknown and (aim - unknown) * (unknown - old) >= 0:
-                aim = sqrt(x * unknown)
-            aim = rounded(aim, old, up=outward)
-            if aim == x and best is None:  # round-off short of it
-                aim = rounded(x * (1 + (_NEXT if outward else -_NEXT)), old, up=outward)
-            if aim == unknown or any(aim == x for x, _ in points):
+        tried, beyond = {old}, safer if r < 1 else -safer
+        aim = _aim(x, r, exponent)
+        while len(tried) <= _SIZES:
+            size = within(aim, old, MOST, unit, up=safer > 0)
+            if size in tried and best is not None:
+                size = standard(best[0] * (1 - safer * _NEXT), unit, up=safer < 0)
+            if size in tried or (size - old) * beyond <= 0:
                 break
-            if not old / MOST <= aim <= old * MOST:  # the largest change is not enough
-                break
-            one = self.known.screened(key, aim, unit, parts)
+            tried.add(size)
+            one = self.known.screening.of(
+                {key: written(size, unit)}, parts, failed=self.known.fails
+            )
             reached = 0.0 if one.problem else self.known.reserve(one, parts)
-            if not 0 < reached < inf:
-                unknown = aim
+            if not 0 < reached < inf:  # there is no such part, or no error bar
+                aim = sqrt(x * size)
                 continue
-            if reached >= 1 and (best is None or reached < self.known.reserve(best[1], parts)):
-                best = aim, one
-            points.append((aim, reached))
-            if step < _SECANTS - 1:
-                (x0, r0), (x1, r1) = points[-2:]
-                slope = log(r1 / r0) / log(x1 / x0)
-                p = slope if slope * exponent > 0 else exponent
+            if reached >= 1 and (best is None or (best[0] - size) * safer > 0):
+                best = size, one
+            slope = log(reached / r) / log(size / x)
+            x, r = size, reached
+            aim = _aim(x, r, slope if slope * exponent > 0 else exponent)
         return best
+
+
+def _aim(x: float, reserve: float, exponent: float) -> float:
+    """The dimension with a reserve of 1, if that goes with x to a power; within `MOST` squared."""
+    most = 2 * log(MOST)
+    return x * exp(min(max(-log(reserve) / exponent, -most), most))

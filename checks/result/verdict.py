@@ -251,8 +251,7 @@ class Way:
 class Change:
     """One input with another value, and its effect: an estimate until a check has verified it.
 
-    key, was, value  the input and its values as written; least is the value at which it just
-                     passes, where `value` is the next standard size
+    key, was, value  the input and its values as written; a dimension has a standard size
     parts            that pass with it, of those that it is meant for
     safety, lower    of the check that then governs these: at its value, at the end of its bars
     required         safety that this check must show
@@ -265,7 +264,6 @@ class Change:
     key: str
     was: str
     value: str
-    least: str
     parts: tuple[str, ...]
     safety: float
     lower: float

@@ -142,12 +142,10 @@ def change_text(change: Change, deciding: Check) -> str:
 def change_cells(change: Change, deciding: Check) -> tuple[str, str, str, str, str]:
     """The parts of a single change's words, as the cells of a row.
 
-    They are key and value; the present value, with the least that passes; safety; its lower end
-    and the check that then governs, if it is not the one of which the reader knows; mass.
+    They are key and value; the present value; safety; its lower end and the check that then
+    governs, if it is not the one of which the reader knows; mass.
     """
     unit = f" {change.value.partition(' ')[2]}"
-    was, least = (text.removesuffix(unit) for text in (change.was, change.least))
-    now = f"now {was}" + ("" if change.least == change.value else f", needs {least}")
     safety = safety_text(change.safety, change.required)
     lower = safety_text(change.lower, change.required)
     same = change.governing == f"{deciding.part} {deciding.kind}"
@@ -155,6 +153,7 @@ def change_cells(change: Change, deciding: Check) -> tuple[str, str, str, str, s
     detail = ", ".join(filter(None, ("" if lower == safety else f"≥ {lower}", need)))
     more = f" ({-1e3 * change.saved:+.2g})" if change.saved else ""
     mass = f"{number(1e3 * change.mass)} kg{more}"
+    now = f"now {change.was.removesuffix(unit)}"
     return f"{change.key}={change.value}", now, f"safety {safety}", detail, mass
 
 

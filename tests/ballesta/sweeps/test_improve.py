@@ -12,6 +12,7 @@ from ballesta.machine.solved_cycles import part_masses, solve_cycles
 from ballesta.pipeline import check_design, check_file
 from ballesta.sweeps.estimates import Estimates
 from ballesta.sweeps.improve import MOST, improve, with_changes
+from ballesta.sweeps.screen import Screening
 from checks.columns.linkage_frame import linkage_check, worst_mode
 from checks.design.effort import Effort
 from checks.design.materials import known_materials
@@ -61,39 +62,41 @@ def test_a_material_that_is_found_is_the_weakest_that_passes(file, need, improve
     assert [status is Status.PASS for status in passing] == [False] * len(weaker) + [True]
 
 
-def test_a_thickness_that_is_found_is_the_least_that_passes(file, need, improved):
-    """Stress goes with 1/thickness, the rod's own inertia aside: 1.2 times the thickness.
-
-    The next size of R20 is 12.5 mm.
+def test_a_thickness_that_is_found_is_the_least_size_that_passes(file, need, improved):
+    """Stress goes with 1/thickness, the rod's own inertia aside: 1.2 times the thickness, so of
+    R20 12.5 mm, and not 11.2.
     """
     found = improved
     assert found.result.status is not Status.PASS
     assert found.open == ("rod",)
     change = next(change for change in found.changes if change.key == "parts.rod.thickness")
-    thickness = float(change.least.removesuffix(" mm"))
-    assert thickness == pytest.approx(1.2 * 10.0, rel=0.03)
-    assert rod(file, need, f"parts.rod.thickness={change.least}").status is Status.PASS
     assert change.value == "12.5 mm"
     assert change.saved < 0
     after = rod(file, need, change.override)
     assert after.status is Status.PASS
     assert after.safety == pytest.approx(change.safety, rel=1e-9)
-    less = f"parts.rod.thickness={thickness - 0.1 * (thickness - 10.0)} mm"
-    assert rod(file, need, less).status is not Status.PASS
+    assert rod(file, need, "parts.rod.thickness=11.2 mm").status is not Status.PASS
+
+
+def test_a_wall_is_the_least_size_that_passes_where_a_wider_bar_lies_beyond_it():
+    """From 12 mm on the press' bars have those of thicker walls, and pass by less than at 11.2."""
+    stated = read_design(Path("designs/toggle_press.toml"))
+    changes = with_changes(stated, check_design(stated, effort=FORMULA)).changes
+    assert [c.value for c in changes if c.key == "parts.bar_upper.wall"] == ["11.2 mm"]
 
 
 def test_no_size_beyond_the_largest_change_is_asked(file, monkeypatch):
     """Twice the thickness is short of 2.5 times the safety: nothing thicker is looked at."""
     asked = []
 
-    def noted(known, key, value, *rest, screened=Estimates.screened):
-        asked.extend([value] if key == "parts.rod.thickness" else [])
-        return screened(known, key, value, *rest)
+    def noted(known, variation, *rest, of=Screening.of, **options):
+        asked.extend(v for key, v in dict(variation).items() if key == "parts.rod.thickness")
+        return of(known, variation, *rest, **options)
 
-    monkeypatch.setattr(Estimates, "screened", noted)
+    monkeypatch.setattr(Screening, "of", noted)
     check = rod(file)
     improve(file, [NEED.format(2.5 * check.limit / check.upper)], effort=FORMULA)
-    assert max(asked) == MOST * 10.0
+    assert max(float(text.removesuffix(" mm")) for text in asked) == MOST * 10.0
 
 
 def test_what_no_formula_judges_is_no_way_out(file):
@@ -114,9 +117,10 @@ def test_where_all_pass_the_mass_that_can_be_saved_is_found(file):
     assert found.open == ()
     assert found.exit_code == 0
     change = next(change for change in found.changes if change.key == "parts.rod.thickness")
-    assert float(change.least.removesuffix(" mm")) == pytest.approx(0.8 * 10.0, rel=0.03)
     assert change.saved > 0
     assert rod(file, need, change.override).status is Status.PASS
+    assert change.value == "8 mm"  # 0.8 of 10
+    assert rod(file, need, "parts.rod.thickness=7.1 mm").status is not Status.PASS
 
 
 def test_the_command_verifies_a_change_and_writes_it_into_the_file(file, tmp_path, capsys):
