@@ -68,7 +68,7 @@ def test_a_slider_tells_what_a_fresh_check_of_its_command_finds(page, press):
     assert before["items"] == []
     slide(page, "material, ", "C45_QT")
     slide(page, "parts that survive", "99.9 %")
-    slide(page, "required safety, fatigue", "1.43")
+    slide(page, "required safety, fatigue", "1.69")
     slide(page, "load factor", "0.9")
     shown = page.evaluate(STATE)
     assert shown["command"].startswith(press.command)
