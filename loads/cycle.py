@@ -331,6 +331,7 @@ def _joined(
         linkage=linkage,
         name=cycle.name,
         pace=cycle.pace.coordinate,
+        solved=tuple(phase.solve for phase in cycle.phases),
         positions=np.concatenate([motion.values for motion in motions]),
         times=np.concatenate([timing.times(k, motion) for k, motion in enumerate(motions)]),
         phases=tuple(phase.name for phase in cycle.phases),

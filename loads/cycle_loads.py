@@ -123,6 +123,7 @@ class CycleLoads:
     second_order   relative change of effort and reactions in contact by the deflected shape
     conditioning   (n,) share of the motion that the solved force sees: 1 best, 0 dead centre
     pace           the coordinate that sets the time
+    solved         the force that each phase is solved for
     unresolved     what the positions miss of loads that rise between them
     unstruck       the cycle without the moments of its blows; None where there are none
     swings         True for one that swings by its blows; `touches` then are those as if slowly
@@ -132,6 +133,7 @@ class CycleLoads:
     linkage: Linkage
     name: str
     pace: Coordinate
+    solved: tuple[str, ...]
     positions: FloatArray
     times: FloatArray
     phases: tuple[str, ...]

@@ -26,7 +26,7 @@ from loads.cycle_loads import CycleLoads
 from loads.forces import JointLoad
 from loads.joints import Fixed, Joint, Prismatic, Slot
 from loads.kinematics import Kinematics, dot, turned_left
-from loads.vibration import closes, same_coordinate
+from loads.vibration import closes
 
 _LIGHT = 1e-9  # of the largest mass: of bodies that have none
 _SAME = 1e-6  # of the largest speed
@@ -112,10 +112,11 @@ def with_hits(
     own = cycle.reactions[joint]
     reactions[joint] = replace(own, force=own.force + push)
     efforts = dict(cycle.efforts)
-    for driver in cycle.linkage.forces:
-        if same_coordinate(driver.coordinate, cycle.pace):
-            scale = driver.sign / kinematics.coordinate_scale(driver.coordinate)
-            efforts[driver.name] = efforts[driver.name] + scale * answer[:, -1]
+    driver = cycle.linkage.driver(cycle.pace, cycle.solved)
+    if driver is not None:
+        acting = cycle.linkage.force(driver)
+        scale = acting.sign / kinematics.coordinate_scale(acting.coordinate)
+        efforts[driver] = efforts[driver] + scale * answer[:, -1]
     return replace(cycle, accelerations=accelerations, reactions=reactions, efforts=efforts)
 
 

@@ -199,6 +199,19 @@ class Angle:
 Coordinate = PointCoordinate | Distance | Angle
 
 
+def same_coordinate(one: Coordinate, other: Coordinate) -> bool:
+    """Return True for one coordinate, however it is stated."""
+    match one, other:
+        case Angle(), Angle():
+            return (one.body, one.relative_to) == (other.body, other.relative_to)
+        case Distance(), Distance():
+            ends, others = ({(d.body_a, d.point_a), (d.body_b, d.point_b)} for d in (one, other))
+            return ends == others
+        case PointCoordinate(), PointCoordinate():
+            return one == other
+    return False
+
+
 def in_words(coordinate: Coordinate, value: float) -> str:
     """Return a value of a coordinate as messages show it: angles in degrees."""
     if coordinate.angular:

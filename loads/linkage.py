@@ -4,7 +4,7 @@ Where its mobility is not 1, the missing and the redundant joints are named.
 """
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import isfinite
 from typing import Self, TypeVar
@@ -23,6 +23,7 @@ from loads.joints import (
     Joint,
     PointCoordinate,
     Revolute,
+    same_coordinate,
 )
 from loads.kinematics import Kinematics
 
@@ -103,6 +104,14 @@ class Linkage:
     def force(self, name: str) -> Force:
         """Return the force of this name."""
         return _named(self.forces, name, "force")
+
+    def driver(self, along: Coordinate, solved: Sequence[str] = ()) -> str | None:
+        """Return the force along a coordinate that drives it; None where none acts along it.
+
+        The first of the `solved` ones there, or else by name: the order of forces decides nothing.
+        """
+        there = [one.name for one in self.forces if same_coordinate(one.coordinate, along)]
+        return next((name for name in solved if name in there), min(there, default=None))
 
     def with_mass_properties(self, properties: Mapping[str, tuple[float, Vector, float]]) -> Self:
         """Return a copy with other (mass, centre, inertia about the centre) of the named bodies."""

@@ -14,6 +14,7 @@ loads on the deformations of another is s . s' (`loads.elasticity.deflection`).
 Lumped mass of a linkage that vibrates: points on its beams, one place on every other body.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import hypot
 
@@ -24,7 +25,7 @@ from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
 from loads.cycle_loads import CycleLoads, OwnSwing
 from loads.elasticity import LoadState, beam_loads, section_forces, wrenches_on
 from loads.forces import ForceSolution, JointLoad, unit_forces
-from loads.joints import Angle, Coordinate, Distance, Force, PointCoordinate, shared_pins
+from loads.joints import Angle, Coordinate, Force, PointCoordinate, shared_pins
 from loads.kinematics import Kinematics, rotated, turned_left
 from loads.linkage import Linkage
 from loads.motion import Motion, coordinate_share
@@ -155,13 +156,15 @@ class LinkageModes:
         )
 
 
-def linkage_modes(motion: Motion, hold: Coordinate) -> LinkageModes:
+def linkage_modes(motion: Motion, hold: Coordinate, solved: Sequence[str] = ()) -> LinkageModes:
     """Return all modes of a linkage with a coordinate held, at every position of a motion.
+
+    solved  forces that drive it, of which the one along `hold` holds
 
     Only poses and the way of the motion count, not its speed; friction and weight do not.
     Raises LinkageError for a linkage without elasticity or mass, and at a dead centre of `hold`.
     """
-    bare, holder = _held(motion.kinematics.linkage, hold)
+    bare, holder = _held(motion.kinematics.linkage, hold, solved)
     if not bare.compliance:
         raise LinkageError("nothing of the linkage is elastic: it has no natural frequencies")
     lumps = lumps_of(bare)
@@ -196,7 +199,8 @@ def linkage_modes(motion: Motion, hold: Coordinate) -> LinkageModes:
 def cycle_modes(cycle: CycleLoads, positions: IntArray | None = None) -> LinkageModes:
     """Return the modes at some positions of a solved cycle, or all of them, its pace held."""
     motion = motion_of(cycle)
-    return linkage_modes(motion if positions is None else _motion_at(motion, positions), cycle.pace)
+    some = motion if positions is None else _motion_at(motion, positions)
+    return linkage_modes(some, cycle.pace, cycle.solved)
 
 
 def motion_of(cycle: CycleLoads) -> Motion:
@@ -346,16 +350,16 @@ def grown(load: JointLoad, unit: JointLoad, size: FloatArray) -> JointLoad:
     )
 
 
-def _held(linkage: Linkage, hold: Coordinate) -> tuple[Linkage, str]:
+def _held(linkage: Linkage, hold: Coordinate, solved: Sequence[str]) -> tuple[Linkage, str]:
     """Return the linkage without friction, and the name of a force along the held coordinate.
 
     An angle that no torque drives is held at the pin about which its body turns (`_pivot`).
     """
     linkage.check_coordinate(hold, "held coordinate")
     bare = replace(linkage, friction={})
-    for force in linkage.forces:
-        if same_coordinate(force.coordinate, hold):
-            return bare, force.name
+    driver = linkage.driver(hold, solved)
+    if driver is not None:
+        return bare, driver
     if isinstance(hold, Angle) and hold.point is None:
         hold = replace(hold, point=_pivot(linkage, hold))
     name = f"hold {hold.label}"
@@ -373,19 +377,6 @@ def _pivot(linkage: Linkage, angle: Angle) -> str | None:
     return min(
         pins, key=lambda point: (not pins[point], hypot(*body.place(point)), point), default=None
     )
-
-
-def same_coordinate(one: Coordinate, other: Coordinate) -> bool:
-    """Return True for one coordinate, however it is stated."""
-    match one, other:
-        case Angle(), Angle():
-            return (one.body, one.relative_to) == (other.body, other.relative_to)
-        case Distance(), Distance():
-            ends, others = ({(d.body_a, d.point_a), (d.body_b, d.point_b)} for d in (one, other))
-            return ends == others
-        case PointCoordinate(), PointCoordinate():
-            return one == other
-    return False
 
 
 def _name(body: str, what: str) -> str:

@@ -161,8 +161,11 @@ def speed_assumptions(found: Mapping[str, Evenness]) -> list[tuple[str, str]]:
 
 
 def speed_doubts(design: Design, solved: Solved, found: Mapping[str, Evenness]) -> list[LoadPair]:
-    """The loads that the cycles may have as their drive does not run at one speed."""
-    uneven = {name: even for name, even in found.items() if even.irregularity > _NOTHING}
+    """The loads that the cycles may have as their drive does not run at one speed.
+
+    None of a drive that would stop: it has no slowest speed, and its gate does not hold.
+    """
+    uneven = {name: even for name, even in found.items() if _NOTHING < even.irregularity < _STOPS}
     if not uneven:
         return []
     most = max(even.irregularity for even in uneven.values())

@@ -330,7 +330,7 @@ def _stations(part: Part, length: float) -> tuple[FloatArray, list[Section]]:
 class FirstOrder:
     """Moments of a part in one plane, (n, m) N mm: acting @ shapes.
 
-    acting  (n, r) couples and forces across at both pins, N mm and N; accelerations
+    acting  (n, r) couples at both pins, N mm; forces across there, N, or accelerations
     shapes  (r, 129) moment per unit, at even places between the pins
     """
 
@@ -358,39 +358,38 @@ def first_order(
 ) -> tuple[FirstOrder, FirstOrder]:
     """Moments about z and about y of the undeformed part.
 
-    From both ends towards the other, each in its share: what the part has beyond its pins, which
-    the sections do not know, leaves no step. A stated `mass` of the body, t, is spread as the
-    sections' is.
+    About z those of a bar on two supports: of the couples at its pins, and of the weight and
+    inertia of its sections. All other mass (eyes, what stands beyond the pins) is at the pins,
+    whose forces carry it there. A stated `mass` of the body, t, is spread as the sections' is.
+    About y, where no inertia acts, from both ends towards the other, each in its share.
     """
     first, second = (loads.wrenches[name] for name in part.geometry.interfaces[:2])
     x = np.linspace(0.0, length, GRID)
     share = x / length
     own = _own_shapes(part, x, mass)
-    found = []
-    # about z a force along y has a lever, about y one along -z; inertia bends about z only
-    for couple, across, sign in ((5, 1, 1.0), (4, 2, -1.0)):
-        ends = [first[:, couple], first[:, across], second[:, couple], second[:, across]]
-        turned, pushed = (1 - share), sign * (1 - share) * x
-        shapes = [-turned, pushed, share, sign * share * (length - x)]
-        if couple == 5:
-            ends += [loads.accelerations[:, 1], loads.accelerations[:, 2]]
-            shapes += own
-        found.append(FirstOrder(np.stack(ends, axis=1), np.stack(shapes)))
-    return found[0], found[1]
+    turned = [share - 1.0, share]
+    # a force along z has a lever about -y
+    across = [(share - 1.0) * x, share * (x - length)]
+    z = [first[:, 5], second[:, 5], loads.accelerations[:, 1], loads.accelerations[:, 2]]
+    y = [first[:, 4], second[:, 4], first[:, 2], second[:, 2]]
+    return (
+        FirstOrder(np.stack(z, axis=1), np.stack([*turned, *own])),
+        FirstOrder(np.stack(y, axis=1), np.stack([*turned, *across])),
+    )
 
 
 def _own_shapes(part: Part, x: FloatArray, mass: float | None) -> list[FloatArray]:
-    """Moment about z, (m,) each, of the part's own mass per unit of a_y and of alpha."""
+    """Moment about z, (m,) each, of the sections' mass per unit of a_y and of alpha.
+
+    Between supports at both ends.
+    """
     areas = _areas(part, x)
     volumes = _cumulated(areas * np.stack([x**0, x, x**2]), x)
     density = part.material.density if mass is None else mass / float(volumes[0, -1])
-    share = x / x[-1]
     shapes = []
     for order in (0, 1):
-        force, lever = -density * volumes[order], -density * volumes[order + 1]
-        from_start = x * force - lever
-        from_end = (lever[-1] - lever) - x * (force[-1] - force)
-        shapes.append((1 - share) * from_start + share * from_end)
+        alone = density * (volumes[order + 1] - x * volumes[order])  # the first end free
+        shapes.append(alone - x / x[-1] * alone[-1])
     return shapes
 
 

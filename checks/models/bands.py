@@ -356,18 +356,19 @@ def _of_tilt(part: Part, loads: PartLoads) -> dict[str, float]:
 
 
 def _of_loads(part: Part, loads: PartLoads) -> dict[str, float]:
-    """How it is pulled and pushed at its second interface, pressed across and turned."""
+    """How it is pulled and pushed at the end where it is more, pressed across and turned."""
     largest, model = loads.largest_force, shape_model(part.geometry)
     if part.body is None or not largest or len(loads.wrenches) < 2:
         return {}
-    second = loads.wrenches[part.geometry.interfaces[1]]
+    first, second = (loads.wrenches[name][:, 0] for name in part.geometry.interfaces[:2])
+    pull = np.concatenate([second, -first])
     across, turned = (
         max(float(np.abs(wrench[:, row]).max()) for wrench in loads.wrenches.values())
         for row in (1, 5)
     )
     along = {
-        PULLED: max(float(second[:, 0].max()), 0.0) / largest,
-        SHARE + "pushed": max(float(-second[:, 0].min()), 0.0) / largest,
+        PULLED: max(float(pull.max()), 0.0) / largest,
+        SHARE + "pushed": max(float(-pull.min()), 0.0) / largest,
     }
     if model is not None and model.statics and loads.own_swing:
         return along

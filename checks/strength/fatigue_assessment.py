@@ -115,14 +115,24 @@ class FatigueUse(Judged):
         basis: FloatArray,
         coefficients: FloatArray,
         cycles: Mapping[str, slice] | None = None,
+        states: FloatArray | None = None,
     ) -> float:
         """The quantity at some surface points (n,) with another history, MPa."""
         cycles = self.loads.cycles if cycles is None else cycles
         duty = self._duty_over(level, points, basis, coefficients, cycles)
-        return self._again(level, points, duty)
+        return self._again(level, points, duty, states)
 
-    def _again(self, level: Stressed, points: IntArray, duty: DutyVerdict) -> float:
-        """The quantity at some surface points (n,) of a level, over a duty of theirs, MPa."""
+    def _again(
+        self,
+        level: Stressed,
+        points: IntArray,
+        duty: DutyVerdict,
+        states: FloatArray | None = None,
+    ) -> float:
+        """The quantity at some surface points (n,) of a level, over a duty of theirs, MPa.
+
+        states  as `anew` has them
+        """
         return duty.peak.value
 
     def _duty_over(
@@ -196,7 +206,13 @@ class LifeUse(FatigueUse):
         value = self.limit / life.safety
         return FatiguePeak(value, life.point, WHOLE_DUTY, life.pair, "Miner")
 
-    def _again(self, level: Stressed, points: IntArray, duty: DutyVerdict) -> float:
+    def _again(
+        self,
+        level: Stressed,
+        points: IntArray,
+        duty: DutyVerdict,
+        states: FloatArray | None = None,
+    ) -> float:
         return self.limit / shortest_life(duty, self.task).safety
 
     def safety_missed(self, level: Stressed) -> float:
@@ -288,15 +304,23 @@ class FkmUse(FatigueUse):
         used = [found.utilisation_between(stress[..., k]) for k in range(len(numbers))]
         return [float(one.max()) * self.strength.reference for one in used]
 
-    def _again(self, level: Stressed, points: IntArray, duty: DutyVerdict) -> float:
-        slopes = slopes_of(_solid(level).solutions)
-        found = fkm_judgement(
-            self.strength,
-            duty.basis,
-            duty.coefficients,
-            duty.runs,
-            lambda some: slopes(points[some]),
-        )
+    def _again(
+        self,
+        level: Stressed,
+        points: IntArray,
+        duty: DutyVerdict,
+        states: FloatArray | None = None,
+    ) -> float:
+        solid = slopes_of(_solid(level).solutions)
+
+        def slopes(some: IntArray) -> FloatArray:
+            own = solid(points[some])
+            if states is not None:
+                own = own @ states
+            beside = duty.basis.shape[2] - own.shape[2]
+            return np.pad(own, ((0, 0), (0, 0), (0, beside)))
+
+        found = fkm_judgement(self.strength, duty.basis, duty.coefficients, duty.runs, slopes)
         return found.demand
 
     def safety_missed(self, level: Stressed) -> float:

@@ -129,7 +129,7 @@ def values_at(
             contact.add_short_waves(stress, points, positions, share, factor)
         some = slice(None) if isinstance(judged, StaticPeak) else that_swing(level, points, stress)
         whole = np.eye(len(positions))
-        found[share] = judged.anew(level, points[some], stress[some], whole, cycles)
+        found[share] = judged.anew(level, points[some], stress[some], whole, cycles, states)
     return found
 
 

@@ -371,7 +371,7 @@ def missed_between_nodes(judged: Judged, level: Level) -> float:
                 kept = that_swing(level, points, stress, best)
                 stress, points = stress[kept], points[kept]
             if len(points):
-                best = max(best, judged.anew(level, points, stress, whole, cycles))
+                best = max(best, judged.anew(level, points, stress, whole, cycles, states))
     return abs(best - value)
 
 

@@ -50,12 +50,15 @@ class Judged(ABC):
         basis: FloatArray,
         coefficients: FloatArray,
         cycles: Mapping[str, slice] | None = None,
+        states: FloatArray | None = None,
     ) -> float:
         """The quantity at some surface points (n,) with another history, MPa.
 
         basis         (n, 6, m) MPa per unit
         coefficients  (m, n_positions)
         cycles        name -> slice of the positions; None where they are those of the loads
+        states        (n_basis, m) of the unit loads, whose displacement goes with each column of
+                      the basis; None where it begins with the level's own, and others move nothing
         """
 
     @abstractmethod
@@ -113,6 +116,7 @@ class StaticPeak(Judged):
         basis: FloatArray,
         coefficients: FloatArray,
         cycles: Mapping[str, slice] | None = None,
+        states: FloatArray | None = None,
     ) -> float:
         """The peak at some surface points (n,) with another history, MPa."""
         return float(von_mises(np.moveaxis(basis @ coefficients, 1, -1)).max())

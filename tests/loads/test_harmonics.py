@@ -76,10 +76,14 @@ def test_a_shaken_mass_moves_as_the_integrated_equation_of_motion(ratio, damping
     assert [one.number for one in found.harmonics if one.amplitude > 1e-3] == [1]
 
 
-def test_loads_with_vibration_are_those_of_the_mass_that_really_moves():
-    """The spring's force is k x of the exact solution, the drive's what shakes both."""
+@pytest.mark.parametrize("forces", [("drive",), ("brake", "drive"), ("drive", "brake")])
+def test_loads_with_vibration_are_those_of_the_mass_that_really_moves(forces):
+    """The spring's force is k x of the exact solution, the drive's what shakes both.
+
+    A given force along the drive's coordinate stays as given, wherever it is listed.
+    """
     ratio, damping = 0.7, 0.05
-    cycle = shaken(MASS, spring(ratio), STROKE, TIME)
+    cycle = shaken(MASS, spring(ratio), STROKE, TIME, forces)
     vibrating = with_vibration(cycle, cycle_response(cycle, damping))
     rate = np.pi / TIME
     size = STROKE / 2 * rate**2
@@ -92,6 +96,8 @@ def test_loads_with_vibration_are_those_of_the_mass_that_really_moves():
     assert_allclose(force, exact, atol=1e-3 * np.abs(exact).max())
     shaken_too = vibrating.efforts["drive"] - cycle.efforts["drive"]
     assert_allclose(shaken_too, force - cycle.reactions["spring 0"].force[:, 0], atol=1e-9)
+    for name in set(forces) - {"drive"}:
+        assert (vibrating.efforts[name] == 7.0).all()
 
 
 def test_loads_with_vibration_keep_every_body_in_equilibrium():

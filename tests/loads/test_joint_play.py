@@ -5,6 +5,7 @@ from math import cos, hypot, pi, sin, sqrt
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 import loads
@@ -129,13 +130,19 @@ TURN = loads.Cycle(
 )  # fmt: skip
 
 
-def engine():
+def engine(brake=None):
+    """Its loads; with a brake of 3 N m before or after the drive among its forces."""
     linkage = slider_crank(
         CRANK, ROD, crank_body={"mass": 2e-3, "inertia": 1.0},
         rod_body={"mass": ROD_MASS, "inertia": ROD_INERTIA, "centre": (ROD / 3, 0.0)},
         slider_mass=SLIDER,
     )  # fmt: skip
-    return loads.run_cycle(linkage, TURN)
+    if brake is None:
+        return loads.run_cycle(linkage, TURN)
+    own = (loads.Force("brake", ANGLE),)
+    forces = own + linkage.forces if brake == "first" else linkage.forces + own
+    phases = tuple(replace(one, given={**one.given, "brake": -3e3}) for one in TURN.phases)
+    return loads.run_cycle(replace(linkage, forces=forces), replace(TURN, phases=phases))
 
 
 def contact_with_play(stiffness):
@@ -202,6 +209,16 @@ def test_bodies_stay_in_equilibrium_under_hits(inertia):
     assert max(hit.equilibrium_residual.values()) < 1e-9
     # what keeps the drive's rate, or holds it back, has its share of the hit
     assert np.abs(hit.efforts["drive"] - cycle.efforts["drive"]).max() > 1e3
+
+
+@pytest.mark.parametrize("brake", ["first", "last"])
+def test_of_two_torques_on_one_angle_the_drive_alone_has_its_share_of_a_hit(brake):
+    plain, braked = engine(), engine(brake)
+    hits = play_hits(plain, "B", PLAY, 1e6)
+    one, other = with_hits(plain, "B", hits), with_hits(braked, "B", hits)
+    assert (other.efforts["brake"] == -3e3).all()
+    assert_allclose(other.efforts["drive"], one.efforts["drive"] + 3e3, rtol=1e-9)
+    assert max(other.equilibrium_residual.values()) < 1e-9
 
 
 def test_a_linkage_without_mass_has_no_hits():

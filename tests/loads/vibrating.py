@@ -1,5 +1,6 @@
 """Linkages on a carrier that is held: whatever stands on it vibrates as on the ground."""
 
+from dataclasses import replace
 from math import atan2, cos, sin
 
 import numpy as np
@@ -71,11 +72,16 @@ def springs(masses, stiffnesses, turn=0.0):
     return on_carrier(bodies, joints, soft, {name: (0.0, 0.0, 0.0) for name in names}, turn)
 
 
-def shaken(mass, stiffness, stroke, time):
-    """A mass on a spring whose foot goes to and fro as a cosine: one harmonic, 2 `time` long."""
+def shaken(mass, stiffness, stroke, time, forces=("drive",)):
+    """A mass on a spring whose foot goes to and fro as a cosine: one harmonic, 2 `time` long.
+
+    forces  all along the foot's way; those besides the drive are of 7 N
+    """
     linkage = springs([mass], [stiffness])
     foot = linkage.force("drive").coordinate
-    phases = (Phase("out", stroke, {}, "drive"), Phase("back", 0.0, {}, "drive"))
+    linkage = replace(linkage, forces=tuple(Force(name, foot) for name in forces))
+    given = {name: 7.0 for name in forces if name != "drive"}
+    phases = (Phase("out", stroke, given, "drive"), Phase("back", 0.0, given, "drive"))
     pace = StrokePace(foot, "harmonic", time)
     return run_cycle(linkage, Cycle("shaken", foot, 0.0, pace, phases, 4000))
 

@@ -86,6 +86,17 @@ def test_a_flywheel_leaves_the_ripple_over_its_energy(tmp_path):
     assert cured.irregularity == pytest.approx(0.1, rel=0.01)
 
 
+def test_a_drive_that_its_flywheel_lets_stop_has_a_gate_and_no_slowest_speed(tmp_path):
+    """It had been an error of the linkage, "the speed of crank.angle must be above 0"."""
+    design = machine(tmp_path, ROD, "drive.flywheel=1e-3 kg m2")
+    cycles = solved(design)
+    found = evenness_of(design, cycles)
+    assert found["turn"].irregularity > 2.0
+    assert speed_doubts(design, cycles, found) == []
+    (gate,) = speed_gates(found)
+    assert not gate.holds
+
+
 def test_a_silent_drive_is_an_assumption_with_its_keys_and_no_gate(tmp_path):
     found = evenness(tmp_path)
     assert found.assumed

@@ -103,6 +103,22 @@ def test_inertia_bends_a_bar_that_is_swung_sideways(tmp_path):
     assert not about_y.any()
 
 
+def test_an_eye_that_is_swung_along_bends_nothing(tmp_path):
+    """Its inertia is carried by its own pin: 2 kg at one end and 0.5 kg at the other add nothing.
+
+    Taken with levers, these forces had bent the bar by a quarter of the length at mid-length.
+    """
+    _, part = rod(tmp_path)
+    swing, line = 3e5, part.material.density * AREA
+    half = line * swing * LENGTH / 2
+    loads = loads_of(
+        {"first": [(0, half + 2e-3 * swing, 0)], "second": [(0, half + 5e-4 * swing, 0)]}
+    )
+    loads.accelerations[:, 1] = swing
+    about_z = first_order(part, loads, LENGTH)[0].moments
+    assert_allclose(np.abs(about_z[0, 64]), line * swing * LENGTH**2 / 8, rtol=1e-3)
+
+
 def test_angular_acceleration_bends_a_bar_as_a_triangular_load(tmp_path):
     """rho A alpha x between two pins: w L^2/(9 sqrt 3) at L/sqrt 3, w at the far end."""
     _, part = rod(tmp_path)

@@ -57,6 +57,17 @@ def test_loads_across_and_couples_are_told_over_the_largest_force(plate):
     assert found[SHARE + "couple over its size"] == pytest.approx(wanted)
 
 
+def test_which_interface_is_the_second_one_decides_no_proportion(plate):
+    """What inertia takes of a force along the rod counts at the end that has more of it."""
+    loads = {"first": [[-100.0, 5.0, 0.0], [30.0, 5.0, 0.0]],
+             "second": [[60.0, -5.0, 0.0], [-90.0, -5.0, 0.0]]}  # fmt: skip
+    other = turned_round({"first": loads["second"], "second": loads["first"]})
+    found, again = (proportions_of(plate, loads_of(one)) for one in (loads, other))
+    assert found == pytest.approx(again)
+    assert found[SHARE + "pulled"] == pytest.approx(100.0 / np.hypot(100.0, 5.0))
+    assert found[SHARE + "pushed"] == pytest.approx(90.0 / np.hypot(100.0, 5.0))
+
+
 def test_the_arc_of_contact_is_one_of_them(plate):
     narrow = replace(plate, bearing_arc=np.radians(31.0))
     assert proportions_of(narrow, loads_of(PULLED))[ARC] == pytest.approx(31.0)

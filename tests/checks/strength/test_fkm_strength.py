@@ -9,6 +9,7 @@ from numpy.testing import assert_allclose
 from ballesta.machine.solved_cycles import solve_cycles
 from checks.design.strength import FkmStrength
 from checks.part.part_loads import loads_on
+from checks.strength.fatigue_assessment import FkmUse
 from checks.strength.fkm_strength import fkm_judgement, fkm_points, slopes_of
 from checks.strength.part_strength import elastic_of, endurance_of
 from checks.stress.duty_verdict import JOINED, duty_runs
@@ -291,7 +292,7 @@ def rods(tmp_path_factory):
                 design.duty.cycles,
             )
         )
-    return part.fkm, levels
+    return part.fkm, levels, loads
 
 
 def level_judged(strength, level):
@@ -307,7 +308,7 @@ def level_judged(strength, level):
 
 
 def test_a_part_of_a_design_is_judged_like_all_of_its_points_one_by_one(rods):
-    strength, levels = rods
+    strength, levels, _ = rods
     for level in levels:
         found = level_judged(strength, level)
         each = fkm_points(
@@ -322,16 +323,34 @@ def test_a_part_of_a_design_is_judged_like_all_of_its_points_one_by_one(rods):
         assert found.n_judged < len(level.history.nodes) / 10
 
 
+def test_a_history_by_its_stress_at_each_position_has_the_support_of_the_unit_loads(rods):
+    """As solved contact gives it: with pressure beside the unit loads, or by its states alone."""
+    strength, (level, _), loads = rods
+    use = FkmUse(loads, strength.reference, level.judged_duty.ultimate, strength)
+    basis, coefficients = level.history.basis, level.coefficients
+    points = np.array([use.point(level)])
+    beside = np.zeros((1, 6, 2)), np.zeros((2, coefficients.shape[1]))
+    wider = use.anew(
+        level,
+        points,
+        np.concatenate([basis[points], beside[0]], axis=2),
+        np.concatenate([coefficients, beside[1]]),
+    )
+    stress, whole = basis[points] @ coefficients, np.eye(coefficients.shape[1])
+    by_states = use.anew(level, points, stress, whole, states=coefficients)
+    assert_allclose([wider, by_states], use.value(level), rtol=1e-9)
+
+
 def test_the_half_of_a_part_is_used_like_the_whole(rods):
     """Two coarse meshes of about 0.4 r at the holes: within 5 %."""
-    strength, levels = rods
+    strength, levels, _ = rods
     whole, half = (level_judged(strength, level).utilisation for level in levels)
     assert half == pytest.approx(whole, rel=0.05)
 
 
 def test_the_facts_of_a_part_follow_by_hand_from_its_stress_and_its_gradient(rods):
     """S275, Rz 25 um: K_R = 1 - 0.22 lg 25 lg 2.05 = 0.9041, K_WK n = 1.0530."""
-    strength, levels = rods
+    strength, levels, _ = rods
     found = level_judged(strength, levels[0])
     facts = found.facts()
     history = levels[0].history
