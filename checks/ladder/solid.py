@@ -47,7 +47,7 @@ from checks.strength.fatigue_facts import fatigue_facts
 from checks.strength.load_doubts import LoadBars, load_bars
 from checks.strength.part_strength import elastic_of, endurance_of, fatigue_use
 from checks.strength.sampling import fatigue_rise, static_rise, with_sampling
-from checks.stress.error_bars import Bars, banded, bars_of, mesh_bar, singular_edge
+from checks.stress.error_bars import Bars, arcs_of, banded, bars_of, mesh_bar, singular_edge
 from checks.stress.judged import Judged, StaticPeak
 from checks.stress.kept_models import judging_seconds
 from checks.stress.solid_mesh_level import Level, Models, solve_level
@@ -333,7 +333,10 @@ def _arcs_that_pass(
     """The narrowest arc of contact, deg, from which on an open check passes, as a fact by kind.
 
     A band over arcs begins at the half circle: a check that is open there is open on every arc.
+    None where contact is solved in every bore: no arc is assumed then.
     """
+    if not arcs_of(loaded.part, levels[-1]):
+        return {}
 
     def passes(what: Judged, arc: float) -> bool:
         closer = replace(loaded, part=replace(loaded.part, bearing_arc=arc, arc_stated=True))

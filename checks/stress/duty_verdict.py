@@ -8,7 +8,7 @@ the business of finite life (`checks.strength.finite_life`).
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from geometry.mesh import FloatArray, IntArray
 
 JOINED = "between cycles"
 WHOLE_DUTY = "the whole duty"
+_SMALL, _KEPT = 50_000, 64  # numbers of a basis whose verdict is kept, and how many are
 _NEAR = 0.9  # of the worst utilisation: points that are judged again to prove the safety
 
 
@@ -202,7 +203,7 @@ def most_used(
     """
     paths = {name: np.ascontiguousarray(coefficients[:, run]) for name, run in runs.items()}
     path = paths.pop(widest(runs))
-    verdict = ductile_verdict(basis, path, limits, ultimate, every_point=False)
+    verdict = _verdict(basis, path, limits, ultimate)
     others = [goodman(basis, path, limits, ultimate).utilisation for path in paths.values()]
     known = np.max([verdict.utilisation, *others], axis=0)
     return known, np.max([verdict.highest_utilisation, *others], axis=0)
@@ -223,14 +224,43 @@ def duty_verdict(
     if not runs:
         return None
     verdicts = {
-        name: ductile_verdict(
-            basis,
-            np.ascontiguousarray(coefficients[:, positions]),
-            limits,
-            ultimate,
-            every_point=False,
-            cycle=name,
+        name: _verdict(
+            basis, np.ascontiguousarray(coefficients[:, positions]), limits, ultimate, name
         )
         for name, positions in runs.items()
     }
     return DutyVerdict(runs, verdicts, basis, coefficients, limits, limit, ultimate)
+
+
+def _verdict(
+    basis: FloatArray, path: FloatArray, limits: FloatArray, ultimate: float, cycle: str = ""
+) -> Verdict:
+    """The verdict on one path, as far as it is needed for the worst point.
+
+    Small ones are kept: suggestions set out from parts as a check has judged them by formula.
+    """
+    if basis.size > _SMALL:
+        return ductile_verdict(basis, path, limits, ultimate, every_point=False, cycle=cycle)
+    numbers = tuple(np.ascontiguousarray(each).tobytes() for each in (basis, path, limits))
+    return _kept_verdict(*numbers, len(basis), len(path), ultimate, cycle)
+
+
+@lru_cache(maxsize=_KEPT)
+def _kept_verdict(
+    basis: bytes,
+    path: bytes,
+    limits: bytes,
+    n_points: int,
+    n_basis: int,
+    ultimate: float,
+    cycle: str,
+) -> Verdict:
+    """As `_verdict`, by the bytes of its arrays."""
+    return ductile_verdict(
+        np.frombuffer(basis).reshape(n_points, 6, n_basis),
+        np.frombuffer(path).reshape(n_basis, -1),
+        np.frombuffer(limits),
+        ultimate,
+        every_point=False,
+        cycle=cycle,
+    )

@@ -8,11 +8,12 @@ from numpy.testing import assert_array_equal
 
 from checks.derivations.bars import solid_bars
 from checks.design.errors import DesignError
+from checks.ladder import solid
 from checks.ladder.climb import start_climb
 from checks.ladder.levels import Asked, first_level, solve_levels
 from checks.ladder.part_facts import assumed_of, contact_facts, gates_of
 from checks.ladder.result import solid_result
-from checks.ladder.solid import check_solid
+from checks.ladder.solid import _judgement, check_solid
 from checks.models import shapes
 from checks.models.bands import NoBand
 from checks.models.checked import band_around, rung_estimates, rung_level
@@ -241,11 +242,22 @@ def fatigue_of(result):
     return check
 
 
-def test_a_way_out_names_clearances_up_to_which_contact_passes_and_it_does(tmp_path):
-    """A running fit may press harder than the arcs' band says: it stays open, a closer one not."""
+def test_a_way_out_names_clearances_up_to_which_contact_passes_and_it_does(tmp_path, monkeypatch):
+    """A running fit may press harder than the arcs' band says: it stays open, a closer one not.
+
+    No level is judged twice: without assumed arcs none of them can settle it.
+    """
+    judged = []
+
+    def counted(loaded, levels, what, doubts):
+        judged.append((levels[-1], what))
+        return _judgement(loaded, levels, what, doubts)
+
+    monkeypatch.setattr(solid, "_judgement", counted)
     force = open_force(tmp_path)
     result = check_solid(rod(tmp_path, loads=pulled(force)), Models(), asked=ASKED)
     assert fatigue_of(result).status is Status.UNDECIDED
+    assert len(judged) == len(set(judged)) > 0
     assert "ASSUMED" in " ".join(result.assumed)
     most = {name: result.facts[clearance_fact("fatigue", name)] for name in ("first", "second")}
     stated = ", ".join(f'{name} = "0 .. {value:g} mm"' for name, value in most.items())

@@ -8,8 +8,9 @@ from numpy.testing import assert_allclose
 
 from checks.design.materials import known_materials
 from checks.strength.finite_life import LifeTask, life_curve, lives_of, shortest_life
+from checks.stress import duty_verdict as duty
 from checks.stress.duty_verdict import JOINED, duty_runs, duty_verdict, most_used
-from fatigue import goodman
+from fatigue import ductile_verdict, goodman
 
 STEEL = known_materials()["S355"]
 LIMIT = 150.0
@@ -275,3 +276,23 @@ def test_aluminium_has_its_limit_at_five_hundred_million_cycles():
     curve = life_curve(aluminium, np.array(60.0), axial=False)
     assert float(curve.cycles_to_failure(60.0)) == pytest.approx(5e8)
     assert float(curve.cycles_to_failure(0.9 * 295)) == pytest.approx(1e3)
+
+
+def test_a_small_verdict_is_judged_once_and_another_of_other_numbers_anew(monkeypatch):
+    asked = []
+
+    def counted(*arguments, **options):
+        asked.append(len(arguments[0]))
+        return ductile_verdict(*arguments, **options)
+
+    monkeypatch.setattr(duty, "ductile_verdict", counted)
+    basis, coefficients = out_of_phase(17)
+    runs = {"a": slice(0, 24)}
+    first = verdict_on(basis, coefficients, runs)
+    assert verdict_on(basis.copy(), coefficients.copy(), runs).peak == first.peak
+    assert len(asked) == 1
+    other = verdict_on(1.1 * basis, coefficients, runs)
+    assert len(asked) == 2
+    assert other.peak.value > first.peak.value
+    assert verdict_on(basis, coefficients, runs, limit=2 * LIMIT).peak.value != first.peak.value
+    assert len(asked) == 3
