@@ -25,7 +25,7 @@ from checks.result.verdict import Check, Gate, PartResult, Status
 from checks.result.words import number
 from checks.store.store import Store
 from reports.answer_facts import HEADINGS, answer_of
-from reports.loads_csv import loads_csv
+from reports.loads_summary import loads_csv
 from reports.loads_text import loads_text
 
 __all__ = [

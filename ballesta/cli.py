@@ -491,7 +491,7 @@ def schema(
     import json as json_module
 
     if result:
-        from reports.result_schema import result_schema as wanted
+        from reports.files import result_schema as wanted
     else:
         from ballesta.design.schema import design_schema as wanted
 

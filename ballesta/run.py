@@ -114,7 +114,7 @@ def check_all(
 
 def _browser() -> str:
     """Return the browser that prints; raises DesignError where there is none."""
-    from reports.pdf import PrintError, find_browser
+    from reports.page import PrintError, find_browser
 
     try:
         return find_browser()
@@ -124,7 +124,7 @@ def _browser() -> str:
 
 def _print_pdf(path: Path, folder: Path, browser: str) -> None:
     """Print the report of a design; raises DesignError where the browser does not."""
-    from reports.pdf import PrintError, print_pdf
+    from reports.page import PrintError, print_pdf
 
     pdf = folder / "report.pdf"
     start = perf_counter()
@@ -207,7 +207,7 @@ def check_to_folder(
     """
     from checks.design.effort import DEFAULT_EFFORT
     from checks.store.results import keep_files, recalled_result
-    from reports.live.payload import has_fields, without_fields
+    from reports.live.section import has_fields, without_fields
     from reports.pictures import drawing, prepare_drawing
 
     effort = effort or DEFAULT_EFFORT
@@ -238,7 +238,7 @@ def check_to_folder(
     from ballesta.pipeline import check_with_cycles
     from ballesta.sweeps.improve import with_changes
     from checks.store.results import keep_result
-    from reports.live.payload import with_encoded_fields
+    from reports.live.section import with_encoded_fields
 
     with progress(path) as say:
         checked = check_with_cycles(

@@ -23,9 +23,9 @@ import numpy as np
 
 from geometry.graphics import INSTALL
 from reports.files import replacing
+from reports.pictures import run_worker
 from reports.plain_still import FACES, LIGHTING, LINES, MARK, sharp_edges
 from reports.window_scene import FIELDS, SIGNED, Scene, read_scene, write_scene
-from reports.worker import run_worker
 
 _WORKER = (sys.executable, "-m", "reports.window")
 _PROBING = 60.0  # s

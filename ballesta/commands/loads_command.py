@@ -28,8 +28,7 @@ from checks.result.words import gate_sentence, gate_word
 from checks.stress.kept_models import Models
 from geometry.progress import step
 from reports.files import plain, write_whole
-from reports.loads_csv import loads_csv
-from reports.loads_summary import LoadsResult
+from reports.loads_summary import LoadsResult, loads_csv
 from reports.loads_text import loads_text
 
 Masses = Mapping[str, tuple[float, tuple[float, float], float]]

@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from checks.result.verdict import DesignResult, PartResult
 from reports.charts.buckling import buckling_chart
 from reports.charts.chart import Chart, Charts, Missing, Series, gathered
-from reports.charts.convergence import convergence_chart
-from reports.charts.cycles import cycle_charts
+from reports.charts.cycles import curves_chart, cycle_charts
 from reports.charts.haigh import haigh_chart
-from reports.charts.ladder import ladder_chart
-from reports.charts.overlay import curves_chart
+from reports.charts.ladder import convergence_chart, ladder_chart
 from reports.charts.sn import sn_chart
 
 __all__ = [

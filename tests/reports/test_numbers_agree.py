@@ -21,8 +21,7 @@ from checks.design.effort import Effort
 from checks.result.verdict import NOT_MESHED, Check, check_ids
 from checks.result.words import need_text, number, safety_text, utilisation_text, value_and_bars
 from reports import read_json, write_json, write_report
-from reports.files import write_vtu
-from reports.result_schema import result_schema
+from reports.files import result_schema, write_vtu
 from reports.terminal import verdict_text
 from tests.small_machine import PLATE, machine
 

@@ -13,9 +13,11 @@ from checks.result.live_fields import LiveFields
 from checks.result.verdict import NOT_MESHED
 from checks.result.words import utilisation_text
 from reports import pictures_worker, report_html
-from reports.live.payload import estimate_of, with_encoded_fields
+from reports.live.section import estimate_of, with_encoded_fields
 from reports.page_parts import _captions
 from reports.pictures import (
+    Ended,
+    StandingWorker,
     _ahead,
     draw_ahead,
     drawing,
@@ -24,7 +26,7 @@ from reports.pictures import (
     stress_field,
 )
 from reports.pictures_worker import SIZE, corner_view, view_of
-from reports.worker import AHEAD, Ended, StandingWorker
+from reports.plain_still import AHEAD
 
 from . import chart_results, results
 
