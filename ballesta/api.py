@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import reports.loads_summary as loads_summary
-from ballesta.batches.outcome import sentence
+from ballesta.batches.job import sentence
 from ballesta.commands.batch_command import Wanted, outcomes_of, summary
 from ballesta.commands.loads_command import loads_of_file
 from ballesta.design.read import read_design

@@ -224,8 +224,7 @@ def batch(
     crashed, out of time or memory; 130 stopped.
     """
     if until is not None:
-        from ballesta.commands.until_command import Wanted as Search
-        from ballesta.commands.until_command import run_until
+        from ballesta.commands.batch_command import Search, run_until
 
         wishes = (*(overrides or ()), *([] if accuracy is None else [f"accuracy={accuracy}"]))
         given = {
@@ -493,7 +492,7 @@ def schema(
     if result:
         from reports.files import result_schema as wanted
     else:
-        from ballesta.design.schema import design_schema as wanted
+        from ballesta.design.files import design_schema as wanted
 
     print(json_module.dumps(wanted(), indent=2))
 

@@ -219,7 +219,7 @@ def check_to_folder(
             if kept.files:
                 write_kept(kept, folder)
             else:
-                with drawing(kept.result) as pictures:
+                with drawing(kept.result.parts) as pictures:
                     files = write_folder(kept.result, pictures, folder, say)
                 keep_files(store, path, overrides, effort, replace(kept, result=result), files)
             if baseline:
@@ -252,7 +252,7 @@ def check_to_folder(
             keep=_kept() if telling.is_supervised() else None,
         )
         shown = checked.result
-        with drawing(shown) as pictures, told_of_folder(folder):
+        with drawing(shown.parts) as pictures, told_of_folder(folder):
             if effort.within is None:  # a limit of time is for the checks
                 say("seeking single changes by formula")
                 shown = with_changes(design, shown, checked.cycles, checked.rubbing, say)
@@ -316,7 +316,7 @@ def write_kept(kept: "KeptResult", folder: Path) -> None:
 
 
 def _write_baseline(result: "DesignResult", say: Say) -> None:
-    from ballesta.regression.baseline import write_baseline
+    from ballesta.regression.file import write_baseline
 
     say(f"baseline written to {write_baseline(result)}")
 

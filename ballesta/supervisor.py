@@ -1,8 +1,8 @@
 """Long commands are run by a child, so that Ctrl-C, a time limit and progress never wait for one.
 
-The child (ballesta/supervised.py) is the same command line in another interpreter. It hands over
-what it has finished; when it is ended, another one writes the report of that. This process imports
-nothing that takes time.
+The child (`run` of ballesta/__main__.py) is the same command line in another interpreter. It hands
+over what it has finished; when it is ended, another one writes the report of that. This process
+imports nothing that takes time.
 """
 
 import signal
@@ -12,11 +12,10 @@ from contextlib import contextmanager
 from math import inf
 from time import monotonic, process_time
 
-from geometry.child import Child
-from geometry.progress import Order
+from geometry.progress import Child, Order
 
 STOPPED, GAVE_UP = 130, 3  # exit codes: of an interrupt as shells report it; of numerics
-_CHILD = "ballesta.supervised:run"  # its function
+_CHILD = "ballesta.__main__:run"  # its function
 _LONG = frozenset(("check", "loads", "diff", "why", "show", "plan", "export"))
 _LOOK_EVERY = 0.1  # s
 _TELL_EVERY = 5.0  # s, where progress is lines

@@ -16,7 +16,7 @@ from math import sqrt, tan
 
 import numpy as np
 
-from geometry.outlines import Contour, PlateOutline
+from geometry.outlines import Contour, PlateOutline, bulge_of
 from geometry.parameters import ParameterError, check_above
 
 _STRAIGHT = 1e-9  # rad, of turning that needs neither arc nor fillet
@@ -58,15 +58,9 @@ def lever_outline(eyes: Sequence[Eye], fillet: float | None) -> PlateOutline:
     for side, eye in ((there, eyes[-1]), (back, eyes[0])):
         corners += [corner for corner, _ in side]
         bulges += [bulge for _, bulge in side]
-        bulges[-1] = _around(side[-1][0], (back if side is there else there)[0][0], eye.centre)
+        bulges[-1] = bulge_of(side[-1][0], (back if side is there else there)[0][0], eye.centre)
     holes = tuple(Contour.round(eye.centre, eye.hole / 2) for eye in eyes)
     return PlateOutline(Contour.of(corners, bulges), holes)
-
-
-def _around(start: complex, end: complex, centre: complex) -> float:
-    """Bulge of the counter-clockwise arc round an end's eye."""
-    turn = float(np.angle((end - centre) / (start - centre))) % (2 * np.pi)
-    return tan(turn / 4)
 
 
 def _side(eyes: Sequence[Eye], fillet: float | None) -> list[tuple[complex, float]]:

@@ -1,11 +1,39 @@
 """Loads of any planar linkage of one degree of freedom over its cycle, part by part."""
 
-from loads.assembly import assembly_gap
 from loads.blow_force import BlowForce, Struck
-from loads.blow_loads import BlowLoads, at_rows, blow_loads, moments_of_blows, with_blow
-from loads.blows import Blow, JointImpulse, blow
-from loads.bodies import GROUND, Body, LinkageError, Pose
-from loads.compliance import BeamCompliance, Compliance, JointCompliance, MatrixCompliance
+from loads.blow_loads import (
+    Blow,
+    BlowLoads,
+    JointImpulse,
+    at_rows,
+    blow,
+    blow_loads,
+    moments_of_blows,
+    with_blow,
+)
+from loads.bodies import (
+    GROUND,
+    Angle,
+    BeamCompliance,
+    Body,
+    Compliance,
+    Coordinate,
+    Distance,
+    Fixed,
+    Force,
+    Friction,
+    Joint,
+    JointCompliance,
+    LinkageError,
+    MatrixCompliance,
+    PointCoordinate,
+    Pose,
+    Prismatic,
+    Revolute,
+    Slot,
+    shared_pins,
+)
+from loads.contact import split_cycle
 from loads.cycle import (
     CycleError,
     forces_again,
@@ -18,24 +46,9 @@ from loads.cycle import (
 from loads.cycle_loads import ContactLoads, CycleLoads
 from loads.dead_centre import PullThrough, pull_through
 from loads.diagnosis import Diagnosis, diagnose, percent, position_text
-from loads.drive import DriveFigures
 from loads.events import EVENTS, Event, EventRun, solve_event
-from loads.forces import ForceSolution, JointLoad, solve_forces
+from loads.forces import ForceSolution, JointLoad, LoadHistory, PointLoad, solve_forces
 from loads.joint_play import Hit, play_hits, with_hits
-from loads.joints import (
-    Angle,
-    Coordinate,
-    Distance,
-    Fixed,
-    Force,
-    Friction,
-    Joint,
-    PointCoordinate,
-    Prismatic,
-    Revolute,
-    Slot,
-    shared_pins,
-)
 from loads.kinematics import Kinematics
 from loads.laws import (
     FUNCTIONS,
@@ -52,11 +65,9 @@ from loads.laws import (
 from loads.linkage import Linkage
 from loads.measured import MeasuredBody, MeasuredLoad, MeasuredLoads
 from loads.motion import Geometry, Motion, move
-from loads.pace import Geared, Motor, MotorPace, Pace, RunPace, SteadyPace, StrokePace
-from loads.path import Path, trace
-from loads.phases import Cycle, Phase
-from loads.point_loads import LoadHistory, PointLoad
-from loads.reversals import split_cycle
+from loads.pace import Cycle, Geared, Motor, MotorPace, Pace, Phase, RunPace, SteadyPace, StrokePace
+from loads.path import Path, assembly_gap, trace
+from loads.running import DriveFigures
 from loads.swing import Swing, SwungCycle, swung_cycle, without_contact
 from loads.turning import RunawayError, StallError, UnsettledError
 

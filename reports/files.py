@@ -90,20 +90,6 @@ def _over_lines(data: Any, start: str = "\n") -> str:
     return _on_a_line(data)
 
 
-def read_json(path: str | Path) -> dict[str, Any]:
-    """Read what `write_json` wrote, as plain data."""
-    data = json.loads(Path(path).read_text(encoding="utf-8"), parse_constant=_refuse)
-    found = data.get("format") if isinstance(data, dict) else type(data).__name__
-    if found != FORMAT:
-        raise ValueError(f"{path}: expected a result of format {FORMAT!r}, got {found!r}")
-    assert isinstance(data, dict)
-    return data
-
-
-def _refuse(constant: str) -> None:
-    raise ValueError(f"a result holds no {constant}, it would be null")
-
-
 def write_volume(
     path: Path,
     nodes: npt.NDArray[np.float64],

@@ -83,7 +83,7 @@ class ShownRun:
                 body,
                 str(load.point),
                 tuple(
-                    self._extremes(quantity, values, angular)
+                    _extremes(quantity, values, angular, self)
                     for quantity, values, angular in (
                         ("Fx", load.force[:, 0], False),
                         ("Fy", load.force[:, 1], False),
@@ -96,24 +96,6 @@ class ShownRun:
             for body in self.loads.bodies
             for load in self.loads.body_loads(body)
         ]
-
-    def _extremes(self, quantity: str, values: FloatArray, angular: bool) -> Extremes:
-        low, high = int(values.argmin()), int(values.argmax())
-        times, (phase,) = self.loads.times, self.loads.phases
-        mean = nan
-        if times is not None and times[-1] > 0.0:
-            mean = float(np.trapezoid(values, times) / times[-1])
-        return Extremes(
-            quantity,
-            angular,
-            float(values[low]) + 0.0,
-            float(self.shown[low]),
-            phase,
-            float(values[high]) + 0.0,
-            float(self.shown[high]),
-            phase,
-            mean,
-        )
 
     def to_dict(self) -> dict[str, Any]:
         """The run as plain data: N, N mm, mm, s; without the history, which is the CSV's."""
@@ -168,23 +150,6 @@ class ShownCycle:
         """Time of one cycle, s."""
         return float(self.loads.times[-1])
 
-    def extremes(self, quantity: str, values: FloatArray, angular: bool, scale: float) -> Extremes:
-        """Least, largest and mean of values (n,); what is rounding beside `scale` becomes 0."""
-        tidy = np.where(np.abs(values) <= _ROUNDING * scale, 0.0, values)
-        low, high = int(tidy.argmin()), int(tidy.argmax())
-        mean = float(np.trapezoid(tidy, self.loads.times) / self.duration)
-        return Extremes(
-            quantity,
-            angular,
-            float(tidy[low]),
-            float(self.shown[low]),
-            self.phase_at(low),
-            float(tidy[high]),
-            float(self.shown[high]),
-            self.phase_at(high),
-            mean if abs(mean) > _ROUNDING * scale else 0.0,
-        )
-
     def phase_at(self, index: int) -> str:
         """Name of the phase of a position."""
         return self.loads.phases[int(self.loads.phase_of[index])]
@@ -224,8 +189,8 @@ class ShownCycle:
                     joint.body_b,
                     joint.body_a,
                     tuple(
-                        self.extremes(
-                            name, values, angular, moment_scale if angular else force_scale
+                        _extremes(
+                            name, values, angular, self, moment_scale if angular else force_scale
                         )
                         for name, values, angular in rows
                     ),
@@ -237,10 +202,11 @@ class ShownCycle:
     def efforts(self) -> list[Extremes]:
         """Extremes of every force and torque, given and solved."""
         return [
-            self.extremes(
+            _extremes(
                 force.name,
                 self.loads.efforts[force.name],
                 force.coordinate.angular,
+                self,
                 float(np.abs(self.loads.efforts[force.name]).max()),
             )
             for force in self.loads.linkage.forces
@@ -383,6 +349,33 @@ class LoadsResult:
         return {"format": "ballesta-loads/1"} | plain_fields(self)
 
 
+def _extremes(
+    quantity: str,
+    values: FloatArray,
+    angular: bool,
+    shown: ShownCycle | ShownRun,
+    scale: float = 0.0,
+) -> Extremes:
+    """Least, largest and mean of values (n,); what is rounding beside `scale` becomes 0."""
+    tidy = np.where(np.abs(values) <= _ROUNDING * scale, 0.0, values)
+    low, high = int(tidy.argmin()), int(tidy.argmax())
+    loads, duration, mean = shown.loads, shown.duration, nan
+    if loads.times is not None and duration:
+        mean = float(np.trapezoid(tidy, loads.times) / duration)
+        mean = 0.0 if abs(mean) <= _ROUNDING * scale else mean
+    return Extremes(
+        quantity,
+        angular,
+        float(tidy[low]),
+        float(shown.shown[low]),
+        loads.phases[int(loads.phase_of[low])],
+        float(tidy[high]),
+        float(shown.shown[high]),
+        loads.phases[int(loads.phase_of[high])],
+        mean,
+    )
+
+
 def _measure_the_same(first: Coordinate, second: Coordinate) -> bool:
     """Return True if two coordinates are the same, wherever a torque along them enters."""
     if isinstance(first, Angle) and isinstance(second, Angle):
@@ -461,7 +454,7 @@ def _columns(cycle: CycleLoads) -> Iterator[tuple[str, FloatArray]]:
         ):
             for k, heading in enumerate(headings):
                 yield f"{body.name}.{heading}", values[:, row, k]
-        centre = _centre_acceleration(cycle, body.name)
+        centre = cycle.centre_acceleration(body.name)
         yield f"{body.name}.centre.ax [mm/s2]", centre[:, 0]
         yield f"{body.name}.centre.ay [mm/s2]", centre[:, 1]
     for joint in cycle.linkage.joints:
@@ -512,18 +505,3 @@ def _on_points(cycle: CycleLoads, body: str) -> Iterator[tuple[str, FloatArray]]
             yield f"{owner}.Fx [N]", total[:, 0]
             yield f"{owner}.Fy [N]", total[:, 1]
         yield f"{owner}.M [N mm]", total[:, 2]
-
-
-def _centre_acceleration(cycle: CycleLoads, body: str) -> FloatArray:
-    row = cycle.body_index(body)
-    x, y = cycle.linkage.body(body).centre
-    angle, spin = cycle.poses[:, row, 2], cycle.velocities[:, row, 2]
-    turn = cycle.accelerations[:, row, 2]
-    arm_x, arm_y = x * np.cos(angle) - y * np.sin(angle), x * np.sin(angle) + y * np.cos(angle)
-    return np.stack(
-        [
-            cycle.accelerations[:, row, 0] - turn * arm_y - spin**2 * arm_x,
-            cycle.accelerations[:, row, 1] + turn * arm_x - spin**2 * arm_y,
-        ],
-        axis=1,
-    )

@@ -17,7 +17,7 @@ from reports.loads_words import (
     event_sentence,
     header_sentences,
 )
-from reports.terminal import labelled, line_width, wrap
+from reports.terminal import labelled, line_width, table_row
 
 _LONGEST_NAME = 18
 _MOST_PHASES = 12  # more are turns of a start or a stop
@@ -181,12 +181,5 @@ def table(
         widths[widest] -= 1
     lines = []
     for row in (headings, *rows):
-        wrapped = [wrap(cell, wide) for cell, wide in zip(row, widths, strict=True)]
-        for level in range(max(map(len, wrapped))):
-            cells = []
-            for i, cell in enumerate(wrapped):
-                text = cell[level] if level < len(cell) else ""
-                gap = " " * (widths[i] - cell_len(text))
-                cells.append(gap + text if i in right else text + gap)
-            lines.append(("  " + "  ".join(cells)).rstrip())
+        lines += table_row("  ", row, widths, right, between="  ")
     return lines

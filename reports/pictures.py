@@ -19,7 +19,7 @@ from typing import IO, Any
 
 import numpy as np
 
-from checks.result.verdict import DesignResult, PartResult, Surface
+from checks.result.verdict import PartResult, Surface
 from checks.result.words import clean
 from fem.threads import ONE_THREAD
 from geometry.graphics import INSTALL
@@ -222,7 +222,7 @@ def prepare_drawing(worker: Sequence[str] = _WORKER, *, stress: bool = True) -> 
 _ahead: list[Path] = []  # removed by the process that draws, or at our end
 
 
-def draw_ahead(part: PartResult, worker: Sequence[str] = _WORKER) -> None:
+def draw_ahead(part: PartResult) -> None:
     """Have the process draw the stills of a part before the whole result is there.
 
     They are not drawn again for it.
@@ -231,38 +231,22 @@ def draw_ahead(part: PartResult, worker: Sequence[str] = _WORKER) -> None:
     _ahead.append(folder)
     _asked([part], folder)
     (folder / AHEAD).touch()
-    _standing(worker).hand(folder)
+    _standing(_WORKER).hand(folder)
 
 
 @contextmanager
-def drawing(result: DesignResult) -> Iterator[Callable[[], Pictures]]:
-    """Have a process draw the stills of a result beside other work.
-
-    Yields what waits for them.
-    """
-    with _drawing(result.parts, _LONGEST, _WORKER) as pictures:
-        yield pictures
-
-
-def render_stills(
+def drawing(
     parts: Sequence[PartResult], timeout: float = _LONGEST, worker: Sequence[str] = _WORKER
-) -> Pictures:
-    """Stills of each part: all of it, the surroundings of its peak stress, its buckling mode.
+) -> Iterator[Callable[[], Pictures]]:
+    """Have a process draw stills of each part beside other work; yields what waits for them.
 
     A part that was not meshed is drawn once: by its utilisation as its section forces estimate it,
-    in grey where that is not known. Surfaces that are alike are drawn once.
+    in grey where that is not known. Others are drawn whole, around their peak stress and in their
+    buckling mode. Surfaces that are alike are drawn once.
 
     One process draws them all, for at most `timeout` seconds of waiting. Its failure is a reason in
     the result, never an exception, and what it had drawn until then is kept.
     """
-    with _drawing(parts, timeout, worker) as pictures:
-        return pictures()
-
-
-@contextmanager
-def _drawing(
-    parts: Sequence[PartResult], timeout: float, worker: Sequence[str]
-) -> Iterator[Callable[[], Pictures]]:
     if not parts:
         yield Pictures
         return

@@ -130,7 +130,9 @@ def tried_sentence(rungs: Sequence[RungTried]) -> str:
     )
 
 
-def table_row(mark: str, cells: list[str], widths: list[int], right: Set[int]) -> list[str]:
+def table_row(
+    mark: str, cells: Sequence[str], widths: Sequence[int], right: Set[int], between: str = " "
+) -> list[str]:
     """Lines of a table's row: cells wrapped to their widths, those of `right` flush right."""
     wrapped = [wrap(cell, width) for cell, width in zip(cells, widths, strict=True)]
     lines = []
@@ -140,7 +142,7 @@ def table_row(mark: str, cells: list[str], widths: list[int], right: Set[int]) -
             text = cell[level] if level < len(cell) else ""
             gap = " " * (width - cell_len(text))
             parts.append(gap + text if column in right else text + gap)
-        lines.append((mark if level == 0 else "  ") + " ".join(parts).rstrip())
+        lines.append((mark if level == 0 else "  ") + between.join(parts).rstrip())
     return lines
 
 

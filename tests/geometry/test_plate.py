@@ -14,7 +14,7 @@ from geometry.outlines import Contour, PlateOutline
 from geometry.parameters import ParameterError
 from geometry.parts import PlateLink
 from geometry.parts.plate import Plate, PlateBore
-from geometry.symmetry import Half
+from geometry.shape import Half
 
 STRAIGHT = ((0, 30), (100, 30), (160, 30))
 BENT = ((0, 30), (100, 46), (120 + 70j, 24))

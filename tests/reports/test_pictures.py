@@ -12,8 +12,9 @@ from PIL import Image
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import NOT_MESHED
 from checks.result.words import utilisation_text
-from reports import pictures_worker, report_html
+from reports import pictures_worker
 from reports.live.section import estimate_of, with_encoded_fields
+from reports.page import report_html
 from reports.page_parts import _captions
 from reports.pictures import (
     Ended,
@@ -22,7 +23,6 @@ from reports.pictures import (
     draw_ahead,
     drawing,
     prepare_drawing,
-    render_stills,
     stress_field,
 )
 from reports.pictures_worker import SIZE, corner_view, view_of
@@ -35,6 +35,11 @@ DIES = "import os; os._exit(139)"
 
 def worker(code):
     return (sys.executable, "-c", code)
+
+
+def render_stills(parts, **options):
+    with drawing(parts, **options) as pictures:
+        return pictures()
 
 
 @pytest.fixture(scope="module")
