@@ -22,7 +22,7 @@ def run(parent: Parent) -> None:
     """Run the command line for a supervisor."""
     gc.set_threshold(_ALLOCATIONS)
     from ballesta.cli import main
-    from ballesta.streams import claim_standard_output, finish_standard_output
+    from ballesta.supervisor import claim_standard_output, finish_standard_output
 
     order = parent.receive()
     if order is None:  # only to be ready: imports are what takes the time

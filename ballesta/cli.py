@@ -502,7 +502,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     Without arguments it is the program, of which `ballesta.__main__` runs long commands.
     """
-    from ballesta.streams import claim_standard_output, finish_standard_output, speak_utf8
+    from ballesta.supervisor import claim_standard_output, finish_standard_output, speak_utf8
     from fem.threads import one_thread, policy
 
     speak_utf8()

@@ -22,8 +22,8 @@ from typing import Any
 
 import numpy as np
 
+from geometry import INSTALL
 from geometry.curving import ENOUGH, Gliding, around, bent, least_coefficients, moved, nearly_folded
-from geometry.graphics import INSTALL
 from geometry.memory import check_memory, compactness_of, within_memory
 from geometry.mesh import (
     FloatArray,

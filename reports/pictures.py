@@ -22,7 +22,7 @@ import numpy as np
 from checks.result.verdict import PartResult, Surface
 from checks.result.words import clean
 from fem.threads import ONE_THREAD
-from geometry.graphics import INSTALL
+from geometry import INSTALL
 from reports.plain_still import AHEAD, ESTIMATE, PLAIN
 
 

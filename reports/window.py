@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from geometry.graphics import INSTALL
+from geometry import INSTALL
 from reports.files import replacing
 from reports.pictures import run_worker
 from reports.plain_still import FACES, LIGHTING, LINES, MARK, sharp_edges

@@ -14,10 +14,9 @@ from checks.design.model import PlatePartEntry, StepPartEntry
 from checks.design.step_entry import KINDS
 from geometry.drawings import DrawingError, Drawn
 from geometry.dxf_file import UNITS, read_dxf, read_svg_path
-from geometry.lever_outline import Eye, lever_outline
 from geometry.outlines import OutlineError
 from geometry.parameters import MOST_CAD, ParameterError, read_bounded
-from geometry.parts.plate import Plate, PlateBore
+from geometry.parts.plate import Eye, Plate, PlateBore, lever_outline
 from geometry.parts.step_part import NamedHole, StepPart
 
 _MOST_TOLD = 20  # holes in one message
