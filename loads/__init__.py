@@ -1,10 +1,9 @@
 """Loads of any planar linkage of one degree of freedom over its cycle, part by part."""
 
-from loads.blow_force import BlowForce, Struck
+from loads.blow_force import Struck
 from loads.blow_loads import (
     Blow,
     BlowLoads,
-    JointImpulse,
     at_rows,
     blow,
     blow_loads,
@@ -43,12 +42,12 @@ from loads.cycle import (
     run_cycle,
     try_cycle,
 )
-from loads.cycle_loads import ContactLoads, CycleLoads
-from loads.dead_centre import PullThrough, pull_through
-from loads.diagnosis import Diagnosis, diagnose, percent, position_text
-from loads.events import EVENTS, Event, EventRun, solve_event
-from loads.forces import ForceSolution, JointLoad, LoadHistory, PointLoad, solve_forces
-from loads.joint_play import Hit, play_hits, with_hits
+from loads.cycle_loads import CycleLoads
+from loads.dead_centre import pull_through
+from loads.diagnosis import diagnose, percent, position_text
+from loads.events import Event, EventRun, solve_event
+from loads.forces import ForceSolution, JointLoad, LoadHistory, solve_forces
+from loads.joint_play import play_hits, with_hits
 from loads.kinematics import Kinematics
 from loads.laws import (
     FUNCTIONS,
@@ -64,34 +63,28 @@ from loads.laws import (
 )
 from loads.linkage import Linkage
 from loads.measured import MeasuredBody, MeasuredLoad, MeasuredLoads
-from loads.motion import Geometry, Motion, move
+from loads.motion import Motion, move
 from loads.pace import Cycle, Geared, Motor, MotorPace, Pace, Phase, RunPace, SteadyPace, StrokePace
 from loads.path import Path, assembly_gap, trace
-from loads.running import DriveFigures
 from loads.swing import Swing, SwungCycle, swung_cycle, without_contact
 from loads.turning import RunawayError, StallError, UnsettledError
 
 __all__ = [
-    "EVENTS",
     "FUNCTIONS",
     "GROUND",
     "Angle",
     "Apply",
     "BeamCompliance",
     "Blow",
-    "BlowForce",
     "BlowLoads",
     "Body",
     "Compliance",
     "Contact",
-    "ContactLoads",
     "Coordinate",
     "Cycle",
     "CycleError",
     "CycleLoads",
-    "Diagnosis",
     "Distance",
-    "DriveFigures",
     "Event",
     "EventRun",
     "Expression",
@@ -100,11 +93,8 @@ __all__ = [
     "ForceSolution",
     "Friction",
     "Geared",
-    "Geometry",
-    "Hit",
     "Joint",
     "JointCompliance",
-    "JointImpulse",
     "JointLoad",
     "Kinematics",
     "Law",
@@ -124,10 +114,8 @@ __all__ = [
     "Path",
     "Phase",
     "PointCoordinate",
-    "PointLoad",
     "Pose",
     "Prismatic",
-    "PullThrough",
     "Reading",
     "Revolute",
     "RunPace",
