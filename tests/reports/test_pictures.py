@@ -211,12 +211,12 @@ def test_a_part_that_is_drawn_ahead_is_not_drawn_again(monkeypatch):
     draw_ahead(result.parts[0])
     before = len(made)
     assert before > 0
-    with drawing(replace(result, parts=result.parts[:1])) as pictures:
+    with drawing(result.parts[:1]) as pictures:
         found = pictures()
     assert len(made) == before
     assert found.reason == ""
     assert set(found.images[result.parts[0].name]) == {"whole", "peak"}
-    with drawing(replace(result, parts=result.parts[:1])) as pictures:
+    with drawing(result.parts[:1]) as pictures:
         assert pictures().images == found.images
     assert len(made) == 2 * before
     assert not any(folder.exists() for folder in _ahead)
@@ -245,7 +245,7 @@ def test_pictures_that_nobody_waits_for_cost_the_next_design_none():
     """Their folder vanishes while they are drawn; the process had died of it at the next ones."""
     parts = results.mixed().parts
     for _ in range(3):
-        with drawing(results.mixed()):
+        with drawing(results.mixed().parts):
             pass
     assert render_stills(parts).reason == ""
 
