@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import reports.loads_summary as loads_summary
-from ballesta.batches.outcome import sentence
+from ballesta.batches.job import sentence
 from ballesta.commands.batch_command import Wanted, outcomes_of, summary
 from ballesta.commands.loads_command import loads_of_file
 from ballesta.design.read import read_design
@@ -25,7 +25,7 @@ from checks.result.verdict import Check, Gate, PartResult, Status
 from checks.result.words import number
 from checks.store.store import Store
 from reports.answer_facts import HEADINGS, answer_of
-from reports.loads_csv import loads_csv
+from reports.loads_summary import loads_csv
 from reports.loads_text import loads_text
 
 __all__ = [

@@ -224,8 +224,7 @@ def batch(
     crashed, out of time or memory; 130 stopped.
     """
     if until is not None:
-        from ballesta.commands.until_command import Wanted as Search
-        from ballesta.commands.until_command import run_until
+        from ballesta.commands.batch_command import Search, run_until
 
         wishes = (*(overrides or ()), *([] if accuracy is None else [f"accuracy={accuracy}"]))
         given = {
@@ -491,9 +490,9 @@ def schema(
     import json as json_module
 
     if result:
-        from reports.result_schema import result_schema as wanted
+        from reports.files import result_schema as wanted
     else:
-        from ballesta.design.schema import design_schema as wanted
+        from ballesta.design.files import design_schema as wanted
 
     print(json_module.dumps(wanted(), indent=2))
 
@@ -503,7 +502,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     Without arguments it is the program, of which `ballesta.__main__` runs long commands.
     """
-    from ballesta.streams import claim_standard_output, finish_standard_output, speak_utf8
+    from ballesta.supervisor import claim_standard_output, finish_standard_output, speak_utf8
     from fem.threads import one_thread, policy
 
     speak_utf8()

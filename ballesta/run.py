@@ -114,7 +114,7 @@ def check_all(
 
 def _browser() -> str:
     """Return the browser that prints; raises DesignError where there is none."""
-    from reports.pdf import PrintError, find_browser
+    from reports.page import PrintError, find_browser
 
     try:
         return find_browser()
@@ -124,7 +124,7 @@ def _browser() -> str:
 
 def _print_pdf(path: Path, folder: Path, browser: str) -> None:
     """Print the report of a design; raises DesignError where the browser does not."""
-    from reports.pdf import PrintError, print_pdf
+    from reports.page import PrintError, print_pdf
 
     pdf = folder / "report.pdf"
     start = perf_counter()
@@ -207,7 +207,7 @@ def check_to_folder(
     """
     from checks.design.effort import DEFAULT_EFFORT
     from checks.store.results import keep_files, recalled_result
-    from reports.live.payload import has_fields, without_fields
+    from reports.live.section import has_fields, without_fields
     from reports.pictures import drawing, prepare_drawing
 
     effort = effort or DEFAULT_EFFORT
@@ -219,7 +219,7 @@ def check_to_folder(
             if kept.files:
                 write_kept(kept, folder)
             else:
-                with drawing(kept.result) as pictures:
+                with drawing(kept.result.parts) as pictures:
                     files = write_folder(kept.result, pictures, folder, say)
                 keep_files(store, path, overrides, effort, replace(kept, result=result), files)
             if baseline:
@@ -238,7 +238,7 @@ def check_to_folder(
     from ballesta.pipeline import check_with_cycles
     from ballesta.sweeps.improve import with_changes
     from checks.store.results import keep_result
-    from reports.live.payload import with_encoded_fields
+    from reports.live.section import with_encoded_fields
 
     with progress(path) as say:
         checked = check_with_cycles(
@@ -252,7 +252,7 @@ def check_to_folder(
             keep=_kept() if telling.is_supervised() else None,
         )
         shown = checked.result
-        with drawing(shown) as pictures, told_of_folder(folder):
+        with drawing(shown.parts) as pictures, told_of_folder(folder):
             if effort.within is None:  # a limit of time is for the checks
                 say("seeking single changes by formula")
                 shown = with_changes(design, shown, checked.cycles, checked.rubbing, say)
@@ -316,7 +316,7 @@ def write_kept(kept: "KeptResult", folder: Path) -> None:
 
 
 def _write_baseline(result: "DesignResult", say: Say) -> None:
-    from ballesta.regression.baseline import write_baseline
+    from ballesta.regression.file import write_baseline
 
     say(f"baseline written to {write_baseline(result)}")
 

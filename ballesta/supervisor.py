@@ -1,22 +1,23 @@
 """Long commands are run by a child, so that Ctrl-C, a time limit and progress never wait for one.
 
-The child (ballesta/supervised.py) is the same command line in another interpreter. It hands over
-what it has finished; when it is ended, another one writes the report of that. This process imports
-nothing that takes time.
+The child (`run` of ballesta/__main__.py) is the same command line in another interpreter. It hands
+over what it has finished; when it is ended, another one writes the report of that. This process
+imports nothing that takes time. Either has its standard output for itself.
 """
 
+import os
 import signal
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from io import TextIOWrapper
 from math import inf
 from time import monotonic, process_time
 
-from geometry.child import Child
-from geometry.progress import Order
+from geometry.progress import Child, Order
 
 STOPPED, GAVE_UP = 130, 3  # exit codes: of an interrupt as shells report it; of numerics
-_CHILD = "ballesta.supervised:run"  # its function
+_CHILD = "ballesta.__main__:run"  # its function
 _LONG = frozenset(("check", "loads", "diff", "why", "show", "plan", "export"))
 _LOOK_EVERY = 0.1  # s
 _TELL_EVERY = 5.0  # s, where progress is lines
@@ -272,3 +273,40 @@ def terminated_as_interrupted() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGTERM, before)
+
+
+# Standard output and standard error of the program.
+def claim_standard_output() -> None:
+    """Leave standard output to this program: what libraries print there goes to standard error.
+
+    Tetgen inside gmsh tells of intersecting facets by C's printf, in front of what `--json` prints.
+    """
+    stream = sys.stdout
+    if stream is not sys.__stdout__ or not isinstance(stream, TextIOWrapper):
+        return
+    stream.flush()
+    own = os.dup(1)
+    with suppress(OSError):  # there is no standard error: all stays as it is
+        os.dup2(2, 1)
+        sys.stdout = os.fdopen(own, "w", encoding=stream.encoding, errors=stream.errors)
+        sys.__stdout__ = sys.stdout  # type: ignore[misc]  # it tells how wide the terminal is
+
+
+def finish_standard_output() -> None:
+    """Hand over what is printed; a reader that has seen enough, such as `head`, is no error."""
+    stream = sys.__stdout__  # sys.stdout may be one that typer has put before it
+    if stream is None:
+        return
+    try:
+        stream.flush()
+    except BrokenPipeError:  # the interpreter would flush once more at its end, and complain
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, stream.fileno())
+        os.close(nowhere)
+
+
+def speak_utf8() -> None:
+    """Write UTF-8 into files and pipes: Windows' code pages have no minus sign and no sigma."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper) and stream.encoding.lower() != "utf-8":
+            stream.reconfigure(encoding="utf-8")

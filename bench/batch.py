@@ -16,8 +16,7 @@ from pathlib import Path
 from time import perf_counter, process_time, sleep
 from typing import Any
 
-from ballesta.batches.job import RUN
-from ballesta.batches.outcome import GAVE_UP, Job, ended
+from ballesta.batches.job import GAVE_UP, RUN, Job, ended
 from ballesta.batches.plan import Plan, Request, planned
 from ballesta.batches.processes import resident_bytes
 from ballesta.batches.run import Settings, run_batch

@@ -28,7 +28,7 @@ from checks.strength.part_strength import elastic_of
 from checks.stress.solid_mesh_level import Models
 from checks.stress.symmetry import mirrored, surface_triangles
 from fem.stress_history import StressHistory
-from geometry.symmetry import Half
+from geometry.shape import Half
 from reports.live.encode import encode
 
 PARTS, POSITIONS, TRIES = 5, 361, 3

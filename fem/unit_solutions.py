@@ -5,7 +5,7 @@ stress basis at the surface nodes. The part is held at six displacements that ju
 moving as a rigid body; loads in equilibrium need no reaction there, which is checked for every
 position of the cycle. The bodies of a stack are solved with the unknowns that its ties leave.
 
-Half of a part (geometry/symmetry.py) takes half of each load. It is held along z all over its cut,
+Half of a part (geometry/shape.py) takes half of each load. It is held along z all over its cut,
 which stands for the other half, and at three displacements in its plane.
 
 The compliance of a part at its interfaces is for a linkage that gives way. The displacement of an

@@ -13,8 +13,7 @@ import numpy as np
 
 from geometry.mesh import FloatArray, IntArray, Interface, MassProperties, MeshError
 from geometry.meshing import gmsh_session
-from geometry.part_sizes import in_unit, unit_of
-from geometry.shape import Body, Buildable
+from geometry.shape import Body, Buildable, in_unit, unit_of
 from geometry.sizing import check_skin
 
 T = TypeVar("T")

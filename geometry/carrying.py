@@ -27,8 +27,7 @@ from geometry.mesh import (
     MeshError,
 )
 from geometry.meshing import gmsh_session, rounded
-from geometry.part_sizes import in_unit
-from geometry.shape import Body, Buildable
+from geometry.shape import Body, Buildable, in_unit
 
 
 class Carrier:

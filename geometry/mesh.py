@@ -240,26 +240,6 @@ class Mesh:
                 "wall or a ligament has no thickness there"
             )
 
-    def bonded(self) -> "Mesh":
-        """Return the mesh with tied nodes made one: the bodies of the stack glued together."""
-        if not self.ties:
-            return self
-        from scipy.sparse import coo_matrix
-        from scipy.sparse.csgraph import connected_components
-
-        pairs = np.concatenate([tie.pairs for tie in self.ties])
-        links = coo_matrix((np.ones(len(pairs)), tuple(pairs.T)), shape=(len(self.nodes),) * 2)
-        _, place = connected_components(links, directed=False)
-        _, kept, renumber = np.unique(place, return_index=True, return_inverse=True)
-        return replace(
-            self,
-            nodes=self.nodes[kept],
-            elements=renumber[self.elements],
-            surfaces={name: renumber[facets] for name, facets in self.surfaces.items()},
-            ties=(),
-            entities=None,
-        )
-
     @cached_property
     def jacobian_minimum(self) -> float:
         """The smallest det J over all elements' nodes, scaled by the element's mean det J."""

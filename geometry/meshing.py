@@ -22,8 +22,8 @@ from typing import Any
 
 import numpy as np
 
+from geometry import INSTALL
 from geometry.curving import ENOUGH, Gliding, around, bent, least_coefficients, moved, nearly_folded
-from geometry.graphics import INSTALL
 from geometry.memory import check_memory, compactness_of, within_memory
 from geometry.mesh import (
     FloatArray,
@@ -35,8 +35,7 @@ from geometry.mesh import (
     TooManyUnknownsError,
     UnsafeMesherError,
 )
-from geometry.part_sizes import in_unit, unit_of
-from geometry.shape import Body, Buildable
+from geometry.shape import Body, Buildable, in_unit, unit_of
 from geometry.sizing import SURE, SizeField, check_elements, solid_elements, solid_unknowns
 
 _NORMAL = 1  # a stack's faces are normal to y
@@ -145,7 +144,7 @@ def mesh_shape(
     Raises MeshError if the body is not one solid, gmsh gives up, or the mesh is not usable, and
     TooManyUnknownsError where it would surely have more unknowns than `most_unknowns`. The mesh's
     `mesher` says so where the second algorithm had to be taken. Very small and very large shapes
-    are meshed in another unit than mm (geometry/part_sizes.py): 1000 times as large a shape has a
+    are meshed in another unit than mm (geometry/shape.py): 1000 times as large a shape has a
     mesh 1000 times as large.
     """
     if not fineness > 0:

@@ -474,9 +474,6 @@ def _cross(one: ComplexArray, other: ComplexArray) -> FloatArray:
     return np.asarray((np.conj(one) * other).imag)
 
 
-def bulge_of(start: complex, end: complex, centre: complex, *, clockwise: bool = False) -> float:
-    """Bulge of the arc about a centre from one point to another."""
-    turn = float(np.angle((end - centre) / (start - centre))) % (2 * pi)
-    if clockwise:
-        turn -= 2 * pi
-    return tan(turn / 4)
+def bulge_of(start: complex, end: complex, centre: complex) -> float:
+    """Bulge of the counter-clockwise arc about a centre from one point to another."""
+    return tan(float(np.angle((end - centre) / (start - centre))) % (2 * pi) / 4)

@@ -1,11 +1,14 @@
-"""Parameters of a parametric part: plain dataclass fields that know their dimension and meaning.
+"""Parameters of a parametric part, fields that know their dimension and meaning; bounded files.
 
 A part's parameters are the fields of a frozen dataclass, in mm inside the code. Their metadata is
 what the design file's door, its JSON schema and the documentation of the parts are made from, so a
 parameter is described once, beside the geometry that uses it.
 """
 
+import errno
+import stat
 from dataclasses import MISSING, field
+from pathlib import Path
 from typing import Any
 
 GIVEN_BY_LINKAGE = "linkage"
@@ -121,3 +124,28 @@ def check_square_tube(length: float, width: float, wall: float, inner_radius: fl
             f"{inner_radius:g} mm is too large for the opening of {width - 2 * wall:g} mm; "
             f"it must be below {width / 2 - wall:g} mm",
         )
+
+
+# Reading files that somebody names: whole ones of a bounded size, never a device or a pipe.
+MEBIBYTE = 2**20
+MOST_TEXT = 16 * MEBIBYTE  # of a design, a table, or a result
+MOST_CAD = 128 * MEBIBYTE
+
+
+def read_bounded(path: Path, most: int = MOST_TEXT) -> bytes:
+    """Content of a file of at most so many bytes.
+
+    Raises OSError with the reason in words for a larger one, and for what is no file: a device may
+    have no end, and a pipe may never begin.
+    """
+    with_type = path.stat().st_mode
+    if stat.S_ISDIR(with_type):
+        raise IsADirectoryError(errno.EISDIR, "is a directory", str(path))
+    if not stat.S_ISREG(with_type):
+        raise OSError(errno.EINVAL, "is a device or a pipe, not a file", str(path))
+    with path.open("rb") as stream:
+        content = stream.read(most + 1)
+    if len(content) > most:
+        told = f"has more than {most // MEBIBYTE} MiB, the most that is read"
+        raise OSError(errno.EFBIG, told, str(path))
+    return content

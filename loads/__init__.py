@@ -1,11 +1,38 @@
 """Loads of any planar linkage of one degree of freedom over its cycle, part by part."""
 
-from loads.assembly import assembly_gap
-from loads.blow_force import BlowForce, Struck
-from loads.blow_loads import BlowLoads, at_rows, blow_loads, moments_of_blows, with_blow
-from loads.blows import Blow, JointImpulse, blow
-from loads.bodies import GROUND, Body, LinkageError, Pose
-from loads.compliance import BeamCompliance, Compliance, JointCompliance, MatrixCompliance
+from loads.blow_force import Struck
+from loads.blow_loads import (
+    Blow,
+    BlowLoads,
+    at_rows,
+    blow,
+    blow_loads,
+    moments_of_blows,
+    with_blow,
+)
+from loads.bodies import (
+    GROUND,
+    Angle,
+    BeamCompliance,
+    Body,
+    Compliance,
+    Coordinate,
+    Distance,
+    Fixed,
+    Force,
+    Friction,
+    Joint,
+    JointCompliance,
+    LinkageError,
+    MatrixCompliance,
+    PointCoordinate,
+    Pose,
+    Prismatic,
+    Revolute,
+    Slot,
+    shared_pins,
+)
+from loads.contact import split_cycle
 from loads.cycle import (
     CycleError,
     forces_again,
@@ -15,27 +42,12 @@ from loads.cycle import (
     run_cycle,
     try_cycle,
 )
-from loads.cycle_loads import ContactLoads, CycleLoads
-from loads.dead_centre import PullThrough, pull_through
-from loads.diagnosis import Diagnosis, diagnose, percent, position_text
-from loads.drive import DriveFigures
-from loads.events import EVENTS, Event, EventRun, solve_event
-from loads.forces import ForceSolution, JointLoad, solve_forces
-from loads.joint_play import Hit, play_hits, with_hits
-from loads.joints import (
-    Angle,
-    Coordinate,
-    Distance,
-    Fixed,
-    Force,
-    Friction,
-    Joint,
-    PointCoordinate,
-    Prismatic,
-    Revolute,
-    Slot,
-    shared_pins,
-)
+from loads.cycle_loads import CycleLoads
+from loads.dead_centre import pull_through
+from loads.diagnosis import diagnose, percent, position_text
+from loads.events import Event, EventRun, solve_event
+from loads.forces import ForceSolution, JointLoad, LoadHistory, solve_forces
+from loads.joint_play import play_hits, with_hits
 from loads.kinematics import Kinematics
 from loads.laws import (
     FUNCTIONS,
@@ -51,36 +63,28 @@ from loads.laws import (
 )
 from loads.linkage import Linkage
 from loads.measured import MeasuredBody, MeasuredLoad, MeasuredLoads
-from loads.motion import Geometry, Motion, move
-from loads.pace import Geared, Motor, MotorPace, Pace, RunPace, SteadyPace, StrokePace
-from loads.path import Path, trace
-from loads.phases import Cycle, Phase
-from loads.point_loads import LoadHistory, PointLoad
-from loads.reversals import split_cycle
+from loads.motion import Motion, move
+from loads.pace import Cycle, Geared, Motor, MotorPace, Pace, Phase, RunPace, SteadyPace, StrokePace
+from loads.path import Path, assembly_gap, trace
 from loads.swing import Swing, SwungCycle, swung_cycle, without_contact
 from loads.turning import RunawayError, StallError, UnsettledError
 
 __all__ = [
-    "EVENTS",
     "FUNCTIONS",
     "GROUND",
     "Angle",
     "Apply",
     "BeamCompliance",
     "Blow",
-    "BlowForce",
     "BlowLoads",
     "Body",
     "Compliance",
     "Contact",
-    "ContactLoads",
     "Coordinate",
     "Cycle",
     "CycleError",
     "CycleLoads",
-    "Diagnosis",
     "Distance",
-    "DriveFigures",
     "Event",
     "EventRun",
     "Expression",
@@ -89,11 +93,8 @@ __all__ = [
     "ForceSolution",
     "Friction",
     "Geared",
-    "Geometry",
-    "Hit",
     "Joint",
     "JointCompliance",
-    "JointImpulse",
     "JointLoad",
     "Kinematics",
     "Law",
@@ -113,10 +114,8 @@ __all__ = [
     "Path",
     "Phase",
     "PointCoordinate",
-    "PointLoad",
     "Pose",
     "Prismatic",
-    "PullThrough",
     "Reading",
     "Revolute",
     "RunPace",

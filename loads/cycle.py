@@ -14,20 +14,24 @@ from math import ceil
 
 import numpy as np
 
-from loads.bodies import FloatArray, LinkageError
-from loads.contact import Touch, contact_gaps, solve_laws
+from loads.bodies import FloatArray, LinkageError, Prismatic, Slot, shared_pins
+from loads.contact import (
+    Touch,
+    contact_gaps,
+    coordinate_speed,
+    solve_laws,
+    with_extremes,
+    with_roots,
+)
 from loads.cycle_loads import CycleLoads, unresolved
 from loads.elasticity import check_compliance, second_order
 from loads.forces import ForceSolution, one_after_another
-from loads.joints import Prismatic, Slot, shared_pins
 from loads.kinematics import Kinematics
 from loads.laws import Contact, Expression, Law, Opposing, Table, kinks
 from loads.linkage import Linkage
 from loads.motion import Geometry, Motion, move
-from loads.pace import MotorPace, SteadyPace
+from loads.pace import Cycle, MotorPace, SteadyPace
 from loads.path import Path, geometry_of, trace
-from loads.phases import Cycle
-from loads.reversals import coordinate_speed, with_extremes, with_roots
 from loads.running import Timing, driven_by, running
 from loads.turning import with_points
 

@@ -11,16 +11,34 @@ from functools import cached_property
 
 import numpy as np
 
-from loads.assembly import worst_gaps
-from loads.bodies import GROUND, BoolArray, FloatArray, IntArray, LinkageError, nearest
+from loads.bodies import (
+    GROUND,
+    BoolArray,
+    Coordinate,
+    Distance,
+    FloatArray,
+    IntArray,
+    LinkageError,
+    PointCoordinate,
+    Prismatic,
+    Revolute,
+    Slot,
+    nearest,
+)
 from loads.contact import Touch, rigidly_joined
-from loads.drive import DriveFigures, drive_figures, kinetic_energy
-from loads.forces import ForceSolution, JointLoad
-from loads.joints import Coordinate, Distance, PointCoordinate, Prismatic, Revolute, Slot
-from loads.kinematics import Kinematics, dot, rotated, turned_left
+from loads.forces import ForceSolution, JointLoad, LoadHistory, PointLoad, body_loads
+from loads.kinematics import (
+    Kinematics,
+    acceleration_at,
+    centre_arm,
+    dot,
+    rotated,
+    velocity_at,
+)
 from loads.linkage import Linkage
 from loads.motion import Motion
-from loads.point_loads import LoadHistory, PointLoad, body_loads
+from loads.path import worst_gaps
+from loads.running import DriveFigures, drive_figures, kinetic_energy
 
 LEAST_SIZE = 1e-9  # over the largest load: below it stands what rounding leaves of balanced halves
 Solved = Sequence[tuple[Motion, ForceSolution]]
@@ -178,6 +196,12 @@ class CycleLoads:
             self.heading[rows],
         )
 
+    def centre_acceleration(self, body: str) -> FloatArray:
+        """Return the acceleration of a body's centre of mass (n, 2) [mm/s2]."""
+        row = self.body_index(body)
+        arm = centre_arm(self.linkage.body(body), self.poses[:, row])
+        return acceleration_at(arm, self.velocities[:, row], self.accelerations[:, row])
+
     def point(self, body: str, point: str) -> FloatArray:
         """Return where a point of a body is over the cycle (n, 2) [mm]."""
         return self._kinematics.point(self.poses, body, point)
@@ -230,14 +254,10 @@ class CycleLoads:
                 rate = kinematics.sliding(self.poses, self.velocities, joint)
                 frictions.append(load.friction_force * rate)
         for i, body in enumerate(self.linkage.moving, start=1):
-            arm = rotated(np.array(body.centre, dtype=float), self.poses[:, i, 2])
-            spin, turn = self.velocities[:, i, 2], self.accelerations[:, i, 2]
-            speed = self.velocities[:, i, :2] + spin[:, None] * turned_left(arm)
-            change = (
-                self.accelerations[:, i, :2]
-                + turn[:, None] * turned_left(arm)
-                - (spin**2)[:, None] * arm
-            )
+            rates, accelerations = self.velocities[:, i], self.accelerations[:, i]
+            speed = velocity_at(centre_arm(body, self.poses[:, i]), rates)
+            change = self.centre_acceleration(body.name)
+            spin, turn = rates[:, 2], accelerations[:, 2]
             powers.append(body.mass * dot(speed, np.array(self.linkage.gravity, dtype=float)))
             powers.append(-body.mass * dot(speed, change) - body.inertia * spin * turn)
         return np.array(powers), np.array(frictions)

@@ -11,14 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from loads.assembly import assemble
-from loads.bodies import FloatArray, LinkageError
+from loads.bodies import FloatArray, Force, LinkageError
 from loads.forces import solve_forces
-from loads.joints import Force
 from loads.kinematics import Kinematics
 from loads.linkage import Linkage
 from loads.motion import Geometry, Motion, coordinate_share
-from loads.path import Path, trace
+from loads.path import Path, assemble, trace
 
 _POSITIONS = 400
 _DOUBLINGS = 200

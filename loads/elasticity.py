@@ -18,14 +18,31 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from loads.bodies import BoolArray, FloatArray, IntArray, LinkageError
-from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
-from loads.forces import ForceSolution, solve_forces
-from loads.joints import Joint, Prismatic, Slot
-from loads.kinematics import Kinematics, cross, dot, rotated, turned_left, unit
+from loads.bodies import (
+    BeamCompliance,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    Joint,
+    JointCompliance,
+    LinkageError,
+    MatrixCompliance,
+    Prismatic,
+    Slot,
+)
+from loads.forces import ForceSolution, PointLoad, body_loads, solve_forces
+from loads.kinematics import (
+    Kinematics,
+    acceleration_at,
+    centre_arm,
+    cross,
+    dot,
+    rotated,
+    turned_left,
+    unit,
+)
 from loads.linkage import Linkage
 from loads.motion import Motion, closed_poses
-from loads.point_loads import PointLoad, body_loads
 
 _ASIDE = 1e-2  # of the size of the linkage: how far from its axis a beam may be loaded
 _ON_POINT = 1e-6  # of a size: how far from a stated place a load may act
@@ -263,17 +280,12 @@ def beam_loads(
     places.append(np.full(len(poses), x))
     weight = np.zeros((len(poses), 3))
     if state.motion is not None:
-        arm = rotated(np.array(owner.centre, dtype=float), angle)
-        spin, turn = state.motion.velocities[:, row, 2:], state.motion.accelerations[:, row, 2:]
-        pull = (
-            state.motion.accelerations[:, row, :2]
-            + turn * turned_left(arm)
-            - spin**2 * arm
-            - np.array(kinematics.linkage.gravity)
-        )
-        inertia = -owner.mass * rotated(pull, -angle)
+        own = state.motion.accelerations[:, row]
+        arm = centre_arm(owner, poses[:, row])
+        pull = acceleration_at(arm, state.motion.velocities[:, row], own)
+        inertia = -owner.mass * rotated(pull - np.array(kinematics.linkage.gravity), -angle)
         weight[:, :2] = inertia
-        weight[:, 2] = -owner.inertia * turn[:, 0] - y * inertia[:, 0]
+        weight[:, 2] = -owner.inertia * own[:, 2] - y * inertia[:, 0]
     loads.append(weight)
     return np.stack(places, axis=1), np.stack(loads, axis=1)
 

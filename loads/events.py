@@ -18,13 +18,11 @@ from typing import Final, overload
 
 import numpy as np
 
-from loads.bodies import FloatArray, LinkageError
+from loads.bodies import FloatArray, LinkageError, place_in_words
 from loads.cycle import Rates, Run, Stretch, begun
-from loads.joints import place_in_words
 from loads.linkage import Linkage
 from loads.motion import Geometry
-from loads.pace import MotorPace, RunPace
-from loads.phases import Cycle, Phase
+from loads.pace import Cycle, MotorPace, Phase, RunPace
 from loads.running import SolvedPace, driven_by
 from loads.turning import STEP_PLACES, StallError, UnsettledError
 

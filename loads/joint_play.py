@@ -20,11 +20,10 @@ from math import inf, isinf, sqrt
 
 import numpy as np
 
-from loads.blows import mass_matrix
-from loads.bodies import FloatArray, IntArray
+from loads.blow_loads import mass_matrix
+from loads.bodies import Fixed, FloatArray, IntArray, Joint, Prismatic, Slot
 from loads.cycle_loads import CycleLoads
 from loads.forces import JointLoad
-from loads.joints import Fixed, Joint, Prismatic, Slot
 from loads.kinematics import Kinematics, dot, turned_left
 from loads.vibration import closes
 

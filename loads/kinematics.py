@@ -12,8 +12,20 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from loads.bodies import GROUND, FloatArray, LinkageError
-from loads.joints import Angle, Coordinate, Distance, Fixed, Joint, PointCoordinate, Prismatic, Slot
+from loads.bodies import (
+    GROUND,
+    Angle,
+    Body,
+    Coordinate,
+    Distance,
+    Fixed,
+    FloatArray,
+    Joint,
+    LinkageError,
+    PointCoordinate,
+    Prismatic,
+    Slot,
+)
 
 if TYPE_CHECKING:
     from loads.linkage import Linkage
@@ -46,6 +58,22 @@ def rotated(vector: FloatArray, angle: FloatArray) -> FloatArray:
     result[..., 0] = along
     result[..., 1] = s * x + c * y
     return result
+
+
+def centre_arm(body: Body, poses: FloatArray) -> FloatArray:
+    """Return the vectors from a body's origin to its centre of mass, ground axes; poses (n, 3)."""
+    return rotated(np.array(body.centre, dtype=float), poses[:, 2])
+
+
+def velocity_at(arm: FloatArray, rates: FloatArray) -> FloatArray:
+    """Return the velocity (n, 2) at an arm from a body's origin; rates (n, 3) of its pose."""
+    return np.asarray(rates[:, :2] + rates[:, 2:] * turned_left(arm))
+
+
+def acceleration_at(arm: FloatArray, rates: FloatArray, accelerations: FloatArray) -> FloatArray:
+    """Return the acceleration (n, 2) at an arm from a body's origin, of its pose's (n, 3)."""
+    turning = accelerations[:, 2:] * turned_left(arm)
+    return np.asarray(accelerations[:, :2] + turning - rates[:, 2:] ** 2 * arm)
 
 
 class _JointTable:
@@ -199,8 +227,7 @@ class Kinematics:
         self, poses: FloatArray, rates: FloatArray, body: str, arm: FloatArray
     ) -> FloatArray:
         """Return the velocity of the body's material point at an arm from its origin (n, 2)."""
-        i = self.index[body]
-        return np.asarray(rates[:, i, :2] + rates[:, i, 2:] * turned_left(arm))
+        return velocity_at(arm, rates[:, self.index[body]])
 
     def line(self, poses: FloatArray, joint: Prismatic | Slot) -> FloatArray:
         """Return the unit vector along a guide or slot (n, 2), ground axes."""

@@ -16,8 +16,7 @@ from math import isfinite
 import numpy as np
 
 from loads.blow_force import Struck
-from loads.bodies import FloatArray, LinkageError
-from loads.joints import Coordinate
+from loads.bodies import Coordinate, FloatArray, LinkageError
 from loads.kinematics import dot
 from loads.motion import Motion
 

@@ -11,18 +11,24 @@ from typing import Self, TypeVar
 
 import numpy as np
 
-from loads.bodies import GROUND, Body, FloatArray, LinkageError, Pose, Vector, nearest
-from loads.compliance import Compliance
-from loads.joints import (
+from loads.bodies import (
+    GROUND,
     Angle,
+    Body,
+    Compliance,
     Coordinate,
     Distance,
     Fixed,
+    FloatArray,
     Force,
     Friction,
     Joint,
+    LinkageError,
     PointCoordinate,
+    Pose,
     Revolute,
+    Vector,
+    nearest,
     same_coordinate,
 )
 from loads.kinematics import Kinematics

@@ -8,8 +8,8 @@ from typing import Self
 import numpy as np
 
 from loads.bodies import GROUND, Body, FloatArray, IntArray, LinkageError, Vector, nearest
+from loads.forces import LoadHistory, PointLoad
 from loads.kinematics import cross, rotated
-from loads.point_loads import LoadHistory, PointLoad
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from loads.bodies import BoolArray, FloatArray, LinkageError
-from loads.joints import Coordinate, place_in_words
+from loads.bodies import BoolArray, Coordinate, FloatArray, LinkageError, place_in_words
 from loads.kinematics import Kinematics, dot
 
 # A coordinate whose share of the motion is below this cannot lead (or load) it: beyond, more than

@@ -30,7 +30,7 @@ from loads.harmonics import SAMPLES, CycleResponse, sampled
 from loads.kinematics import Kinematics
 from loads.laws import Contact
 from loads.motion import differentiate
-from loads.phases import Cycle
+from loads.pace import Cycle
 from loads.vibration import (
     grown,
     joint_strains,

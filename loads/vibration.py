@@ -20,12 +20,23 @@ from math import hypot
 
 import numpy as np
 
-from loads.bodies import Body, FloatArray, IntArray, LinkageError
-from loads.compliance import BeamCompliance, JointCompliance, MatrixCompliance
+from loads.bodies import (
+    Angle,
+    BeamCompliance,
+    Body,
+    Coordinate,
+    FloatArray,
+    Force,
+    IntArray,
+    JointCompliance,
+    LinkageError,
+    MatrixCompliance,
+    PointCoordinate,
+    shared_pins,
+)
 from loads.cycle_loads import CycleLoads, OwnSwing
 from loads.elasticity import LoadState, beam_loads, section_forces, wrenches_on
 from loads.forces import ForceSolution, JointLoad, unit_forces
-from loads.joints import Angle, Coordinate, Force, PointCoordinate, shared_pins
 from loads.kinematics import Kinematics, rotated, turned_left
 from loads.linkage import Linkage
 from loads.motion import Motion, coordinate_share

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from itertools import groupby, product
 from math import isfinite
 from pathlib import Path
-from shutil import get_terminal_size
 
 from rich.cells import cell_len
 
@@ -37,7 +36,7 @@ from checks.result.words import (
 )
 from reports.gauge import shares
 from reports.loads_words import broken_of
-from reports.terminal import labelled, report_line, table_row, wrap
+from reports.terminal import labelled, line_width, report_line, table_row, wrap
 
 _MOST_LINES = 25
 _MOST_WARNINGS = 2
@@ -409,7 +408,7 @@ def answer_text(
     has all checks. Of a warning the first sentence stands here; the second warning and the third
     change where the text keeps to 25 lines with them.
     """
-    width = max(60, width or get_terminal_size((100, 24)).columns)
+    width = line_width(width)
     answer = answer_of(result)
     lines = labelled("", f"{answer.name} ({answer.file}): {str(answer.status).upper()}", width)
     for override in answer.overrides:

@@ -6,18 +6,15 @@ from decimal import ROUND_FLOOR, ROUND_HALF_EVEN
 from functools import cache
 from math import inf, isinf
 from pathlib import Path
-from shutil import get_terminal_size
 from typing import Any
 
-from markupsafe import Markup
 from rich.cells import cell_len
 
 from checks.result.plain_data import plain_fields
 from checks.result.words import brief, number
-from reports.files import replacing
-from reports.svg import colour_variables
+from reports.files import write_text
 from reports.templating import environment
-from reports.terminal import labelled, table_row
+from reports.terminal import labelled, line_width, table_row
 
 ROUND_OFF = 1e-9  # same versions and threads repeat to this; less is no difference
 VERDICTS, INPUTS, LOADS, STRESSES = "verdicts", "inputs", "loads", "stresses"
@@ -181,7 +178,7 @@ def difference_text(
     width       None: the terminal's width (COLUMNS counts), and 100 when piped
     everything  True: no group is shortened
     """
-    width = max(60, width or get_terminal_size((100, 24)).columns)
+    width = line_width(width)
     lines = labelled("A", brief(difference.a, 300), width)
     lines += labelled("B", brief(difference.b, 300), width)
     for note in difference.notes:
@@ -326,17 +323,13 @@ def difference_html(difference: Difference) -> str:
         sentence=summary_sentence(difference),
         groups=GROUPS,
         round_off=f"{ROUND_OFF:g}",
-        light=Markup(colour_variables(dark=False)),
-        dark=Markup(colour_variables(dark=True)),
     )
     return text
 
 
 def write_difference(difference: Difference, path: str | Path) -> None:
     """Write the page as a file, which is there whole or not at all."""
-    text = difference_html(difference)
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
+    write_text(path, difference_html(difference))
 
 
 @cache

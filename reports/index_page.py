@@ -30,7 +30,6 @@ from checks.result.verdict import Check
 from checks.result.words import clean, need_text, safety_text, utilisation_text
 from geometry.mesh import FloatArray
 from reports.gauge import gauge
-from reports.svg import colour_variables
 from reports.templating import environment, json_markup, script_hash
 
 FEWEST = 64  # samples: scatter of an index is some sqrt(2 M) / n, 0.06 there
@@ -169,8 +168,6 @@ def index_html(
         data=json_markup(
             _data(designs, varied) | {"columns": [list(varied).index(name) for name in columns]}
         ),
-        light=Markup(colour_variables(dark=False)),
-        dark=Markup(colour_variables(dark=True)),
         script=Markup(script),
         script_hash=Markup(script_hash(script)),
     )

@@ -5,11 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from geometry.mesh import FloatArray
 from loads import GROUND, CycleLoads
-
-FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from markupsafe import Markup
 from checks.result.words import brief, number, place_text, quantity_unit
 from geometry.mesh import FloatArray
 from reports.charts import curves_chart
-from reports.files import plain, replacing
+from reports.files import plain, write_text
 from reports.loads_figures import BlowForceSummary, BlowSummary, Extremes
 from reports.loads_summary import LoadsResult, ShownCycle, ShownRun
 from reports.loads_words import (
@@ -23,15 +23,12 @@ from reports.loads_words import (
     header_sentences,
 )
 from reports.mechanism_panel import arrow_scale, mechanism_data, mechanism_svg
-from reports.svg import colour_variables
 from reports.templating import environment, joined, json_markup, script_hash
 
 
 def write_loads_page(result: LoadsResult, path: str | Path) -> None:
     """Write the page as a file, which is there whole or not at all."""
-    text = loads_html(result)
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
+    write_text(path, loads_html(result))
 
 
 def loads_html(result: LoadsResult) -> str:
@@ -43,8 +40,6 @@ def loads_html(result: LoadsResult) -> str:
         broken=broken_by_kind(result.gates),
         cycles=[_cycle(cycle, f"c{number_of}") for number_of, cycle in enumerate(result.cycles)],
         runs=[{"run": run, "chart": Markup(_run_chart(run))} for run in result.runs],
-        light=Markup(colour_variables(dark=False)),
-        dark=Markup(colour_variables(dark=True)),
         script=Markup(script),
         script_hash=Markup(script_hash(script)),
     )

@@ -6,8 +6,10 @@ A measured run has the extremes of the loads on each body at each of its points.
 solved for it, so that there are neither reactions of joints nor drives.
 """
 
-from collections.abc import Mapping, Sequence
+import csv
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from io import StringIO
 from math import nan
 from typing import Any
 
@@ -15,6 +17,7 @@ import numpy as np
 
 from checks.result.plain_data import plain_fields
 from checks.result.verdict import Gate
+from geometry.mesh import FloatArray
 from loads import (
     Angle,
     Coordinate,
@@ -35,7 +38,6 @@ from reports.loads_figures import (
     DriveSummary,
     EventFigures,
     Extremes,
-    FloatArray,
     JointSummary,
     MotorFigures,
     PointSummary,
@@ -81,7 +83,7 @@ class ShownRun:
                 body,
                 str(load.point),
                 tuple(
-                    self._extremes(quantity, values, angular)
+                    _extremes(quantity, values, angular, self)
                     for quantity, values, angular in (
                         ("Fx", load.force[:, 0], False),
                         ("Fy", load.force[:, 1], False),
@@ -94,24 +96,6 @@ class ShownRun:
             for body in self.loads.bodies
             for load in self.loads.body_loads(body)
         ]
-
-    def _extremes(self, quantity: str, values: FloatArray, angular: bool) -> Extremes:
-        low, high = int(values.argmin()), int(values.argmax())
-        times, (phase,) = self.loads.times, self.loads.phases
-        mean = nan
-        if times is not None and times[-1] > 0.0:
-            mean = float(np.trapezoid(values, times) / times[-1])
-        return Extremes(
-            quantity,
-            angular,
-            float(values[low]) + 0.0,
-            float(self.shown[low]),
-            phase,
-            float(values[high]) + 0.0,
-            float(self.shown[high]),
-            phase,
-            mean,
-        )
 
     def to_dict(self) -> dict[str, Any]:
         """The run as plain data: N, N mm, mm, s; without the history, which is the CSV's."""
@@ -166,23 +150,6 @@ class ShownCycle:
         """Time of one cycle, s."""
         return float(self.loads.times[-1])
 
-    def extremes(self, quantity: str, values: FloatArray, angular: bool, scale: float) -> Extremes:
-        """Least, largest and mean of values (n,); what is rounding beside `scale` becomes 0."""
-        tidy = np.where(np.abs(values) <= _ROUNDING * scale, 0.0, values)
-        low, high = int(tidy.argmin()), int(tidy.argmax())
-        mean = float(np.trapezoid(tidy, self.loads.times) / self.duration)
-        return Extremes(
-            quantity,
-            angular,
-            float(tidy[low]),
-            float(self.shown[low]),
-            self.phase_at(low),
-            float(tidy[high]),
-            float(self.shown[high]),
-            self.phase_at(high),
-            mean if abs(mean) > _ROUNDING * scale else 0.0,
-        )
-
     def phase_at(self, index: int) -> str:
         """Name of the phase of a position."""
         return self.loads.phases[int(self.loads.phase_of[index])]
@@ -222,8 +189,8 @@ class ShownCycle:
                     joint.body_b,
                     joint.body_a,
                     tuple(
-                        self.extremes(
-                            name, values, angular, moment_scale if angular else force_scale
+                        _extremes(
+                            name, values, angular, self, moment_scale if angular else force_scale
                         )
                         for name, values, angular in rows
                     ),
@@ -235,10 +202,11 @@ class ShownCycle:
     def efforts(self) -> list[Extremes]:
         """Extremes of every force and torque, given and solved."""
         return [
-            self.extremes(
+            _extremes(
                 force.name,
                 self.loads.efforts[force.name],
                 force.coordinate.angular,
+                self,
                 float(np.abs(self.loads.efforts[force.name]).max()),
             )
             for force in self.loads.linkage.forces
@@ -381,6 +349,33 @@ class LoadsResult:
         return {"format": "ballesta-loads/1"} | plain_fields(self)
 
 
+def _extremes(
+    quantity: str,
+    values: FloatArray,
+    angular: bool,
+    shown: ShownCycle | ShownRun,
+    scale: float = 0.0,
+) -> Extremes:
+    """Least, largest and mean of values (n,); what is rounding beside `scale` becomes 0."""
+    tidy = np.where(np.abs(values) <= _ROUNDING * scale, 0.0, values)
+    low, high = int(tidy.argmin()), int(tidy.argmax())
+    loads, duration, mean = shown.loads, shown.duration, nan
+    if loads.times is not None and duration:
+        mean = float(np.trapezoid(tidy, loads.times) / duration)
+        mean = 0.0 if abs(mean) <= _ROUNDING * scale else mean
+    return Extremes(
+        quantity,
+        angular,
+        float(tidy[low]),
+        float(shown.shown[low]),
+        loads.phases[int(loads.phase_of[low])],
+        float(tidy[high]),
+        float(shown.shown[high]),
+        loads.phases[int(loads.phase_of[high])],
+        mean,
+    )
+
+
 def _measure_the_same(first: Coordinate, second: Coordinate) -> bool:
     """Return True if two coordinates are the same, wherever a torque along them enters."""
     if isinstance(first, Angle) and isinstance(second, Angle):
@@ -391,3 +386,122 @@ def _measure_the_same(first: Coordinate, second: Coordinate) -> bool:
 def kind_of(joint: Joint) -> str:
     """A joint's kind in words."""
     return {Revolute: "pin", Prismatic: "guide", Slot: "slot", Fixed: "weld"}[type(joint)]
+
+
+# The whole history of cycles as a table: one row per position.
+_POSE = ("x [mm]", "y [mm]", "angle [rad]")
+_VELOCITY = ("vx [mm/s]", "vy [mm/s]", "omega [rad/s]")
+_ACCELERATION = ("ax [mm/s2]", "ay [mm/s2]", "alpha [rad/s2]")
+
+
+def loads_csv(cycles: Sequence[ShownCycle], runs: Sequence[ShownRun] = ()) -> str:
+    """The history of cycles of one linkage, then of measured runs, as comma-separated text.
+
+    Columns, in this order; numbers have a decimal point and every digit they need:
+
+    cycle, phase, time [s], coordinate, position [mm] (or [deg]: as the reports show it)
+    <body>.x [mm], .y [mm], .angle [rad]                of the body's frame
+    <body>.vx [mm/s], .vy [mm/s], .omega [rad/s]        of the frame's origin
+    <body>.ax [mm/s2], .ay [mm/s2], .alpha [rad/s2]     of the frame's origin
+    <body>.centre.ax [mm/s2], .centre.ay [mm/s2]        of the centre of mass
+    <joint>.Fx [N], .Fy [N]                             on the joint's second body
+    <joint>.M [N mm]                                    guides and welds
+    <joint>.friction_couple [N mm], .friction_force [N] pins; guides and slots that have friction
+    <body>@<point>.Fx [N], .Fy [N], .M [N mm]           all that acts on the body at the point
+    <body>.M [N mm]                                     torques on the body that enter at no point
+    <force>.effort [N] (or [N mm])                      given and solved
+
+    A measured run has the columns of its bodies and points that it can have; its phase is "run". A
+    cell is empty where its cycle has no such quantity, or a run no time. Axes are those of the
+    ground; angles and moments count counter-clockwise.
+    """
+    every: list[ShownCycle | ShownRun] = [*cycles, *runs]
+    units = list(dict.fromkeys(shown.unit for shown in every))
+    histories = [dict(_columns(cycle.loads)) for cycle in cycles]
+    histories += [dict(_run_columns(run.loads)) for run in runs]
+    columns = list(dict.fromkeys(name for history in histories for name in history))
+    out = StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    heading = ["cycle", "phase", "time [s]", "coordinate", f"position [{' or '.join(units)}]"]
+    writer.writerow([*heading, *columns])
+    for shown, history in zip(every, histories, strict=True):
+        # a joint may have friction in one cycle and none in another
+        none = [""] * len(shown.shown)
+        numbers = [_written(history[name]) if name in history else none for name in columns]
+        stamps = shown.loads.times
+        times = none if stamps is None else _written(stamps)
+        phases = [shown.loads.phases[k] for k in shown.loads.phase_of]
+        for phase, time, position, *row in zip(
+            phases, times, _written(shown.shown), *numbers, strict=True
+        ):
+            writer.writerow([shown.name, phase, time, shown.shown_name, position, *row])
+    return out.getvalue()
+
+
+def _written(values: FloatArray) -> list[str]:
+    """Numbers with every digit."""
+    return list(map(repr, values.tolist()))
+
+
+def _columns(cycle: CycleLoads) -> Iterator[tuple[str, FloatArray]]:
+    """Heading and values (n,) of everything but cycle, phase, time and position."""
+    for body in cycle.linkage.moving:
+        row = cycle.body_index(body.name)
+        for headings, values in (
+            (_POSE, cycle.poses),
+            (_VELOCITY, cycle.velocities),
+            (_ACCELERATION, cycle.accelerations),
+        ):
+            for k, heading in enumerate(headings):
+                yield f"{body.name}.{heading}", values[:, row, k]
+        centre = cycle.centre_acceleration(body.name)
+        yield f"{body.name}.centre.ax [mm/s2]", centre[:, 0]
+        yield f"{body.name}.centre.ay [mm/s2]", centre[:, 1]
+    for joint in cycle.linkage.joints:
+        load = cycle.reactions[joint.name]
+        yield f"{joint.name}.Fx [N]", load.force[:, 0]
+        yield f"{joint.name}.Fy [N]", load.force[:, 1]
+        if isinstance(joint, Prismatic | Fixed):
+            yield f"{joint.name}.M [N mm]", load.moment
+        if joint.name in cycle.linkage.friction:
+            if isinstance(joint, Revolute):
+                yield f"{joint.name}.friction_couple [N mm]", load.friction_couple
+            elif isinstance(joint, Prismatic | Slot):
+                yield f"{joint.name}.friction_force [N]", load.friction_force
+    for body in cycle.linkage.moving:
+        yield from _on_points(cycle, body.name)
+    for force in cycle.linkage.forces:
+        unit = "N mm" if force.coordinate.angular else "N"
+        yield f"{force.name}.effort [{unit}]", cycle.efforts[force.name]
+
+
+def _run_columns(run: MeasuredLoads) -> Iterator[tuple[str, FloatArray]]:
+    """Headings and values (n,) of motion and loads of the bodies in a run."""
+    for name, body in run.bodies.items():
+        yield f"{name}.angle [rad]", body.angle
+        yield f"{name}.omega [rad/s]", body.angular_velocity
+        yield f"{name}.alpha [rad/s2]", body.angular_acceleration
+        acceleration = body.pull((0.0, 0.0))
+        yield f"{name}.centre.ax [mm/s2]", acceleration[:, 0]
+        yield f"{name}.centre.ay [mm/s2]", acceleration[:, 1]
+        for load in run.body_loads(name):
+            yield f"{name}@{load.point}.Fx [N]", load.force[:, 0]
+            yield f"{name}@{load.point}.Fy [N]", load.force[:, 1]
+            yield f"{name}@{load.point}.M [N mm]", load.moment
+
+
+def _on_points(cycle: CycleLoads, body: str) -> Iterator[tuple[str, FloatArray]]:
+    """Force and moment on a body, summed at each of its points; a couple alone is at no point."""
+    n = len(cycle.times)
+    sums: dict[str, FloatArray] = {}
+    for load in cycle.body_loads(body):
+        total = sums.setdefault(load.point or "", np.zeros((n, 3)))
+        total[:, :2] += load.force
+        total[:, 2] += load.moment
+    for point, total in sums.items():
+        alone = f"{body}@" if body in {joint.name for joint in cycle.linkage.joints} else body
+        owner = f"{body}@{point}" if point else alone
+        if point:
+            yield f"{owner}.Fx [N]", total[:, 0]
+            yield f"{owner}.Fy [N]", total[:, 1]
+        yield f"{owner}.M [N mm]", total[:, 2]

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from shutil import get_terminal_size
 
 from rich.cells import cell_len
 
@@ -18,7 +17,7 @@ from reports.loads_words import (
     event_sentence,
     header_sentences,
 )
-from reports.terminal import labelled, wrap
+from reports.terminal import labelled, line_width, table_row
 
 _LONGEST_NAME = 18
 _MOST_PHASES = 12  # more are turns of a start or a stop
@@ -31,7 +30,7 @@ def loads_text(
 
     width  None: the terminal's width (COLUMNS counts), and 100 when piped
     """
-    width = max(60, width or get_terminal_size((100, 24)).columns)
+    width = line_width(width)
     lines = labelled("", f"{brief(result.name, 60)} ({brief(result.file, 60)})", width)
     for override in result.overrides:
         lines += labelled("SET", brief(override, 200), width)
@@ -182,12 +181,5 @@ def table(
         widths[widest] -= 1
     lines = []
     for row in (headings, *rows):
-        wrapped = [wrap(cell, wide) for cell, wide in zip(row, widths, strict=True)]
-        for level in range(max(map(len, wrapped))):
-            cells = []
-            for i, cell in enumerate(wrapped):
-                text = cell[level] if level < len(cell) else ""
-                gap = " " * (widths[i] - cell_len(text))
-                cells.append(gap + text if i in right else text + gap)
-            lines.append(("  " + "  ".join(cells)).rstrip())
+        lines += table_row("  ", row, widths, right, between="  ")
     return lines

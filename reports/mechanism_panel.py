@@ -15,11 +15,10 @@ from markupsafe import Markup
 from checks.result.motion import PartsMotion, PinForce, motion_gaps
 from checks.result.verdict import DesignResult
 from checks.result.words import brief, number, place_text, quantity_unit
+from geometry.mesh import FloatArray
 from loads import Angle, PointCoordinate
-from reports.loads_figures import FloatArray
 from reports.loads_summary import ShownCycle
-from reports.mechanism_layout import ARROW, Layout, both_ends, entry
-from reports.mechanism_picture import TIP, Picture
+from reports.mechanism_layout import ARROW, TIP, Layout, Picture, both_ends, entry
 from reports.page_words import deciding_place
 from reports.templating import environment, packed_json, series
 

@@ -13,9 +13,10 @@ from checks.result.words import brief, check_titles, number, utilisation_text
 from reports.answer_facts import Answer, Fact, PartRow
 from reports.charts import Charts, DesignCharts
 from reports.gauge import gauge
-from reports.live.payload import estimate_of
+from reports.live.section import estimate_of
 from reports.page_words import Place, capitalise, doubt_of, place_of, shown_of
-from reports.pictures import ESTIMATE, PLAIN, Pictures, stress_field
+from reports.pictures import Pictures, stress_field
+from reports.plain_still import ESTIMATE, PLAIN
 
 ORDER = (Status.FAIL, Status.UNDECIDED, Status.PASS)  # worst first
 _ALIKE = 0.01  # of a value: parts that differ by more are told one by one

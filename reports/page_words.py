@@ -159,7 +159,7 @@ def _with_bars(check: Check) -> str:
 Place = tuple[int, int, int]  # cycle, position in it, part, -1: the linkage; by their numbers
 
 # Field of the live view that a check is judged by, by its kind and unit; of others the stress.
-FIELDS = {("fatigue", "MPa"): "utilisation", ("buckling", "MPa"): "column"}
+JUDGED_BY = {("fatigue", "MPa"): "utilisation", ("buckling", "MPa"): "column"}
 STATIC = "static"
 _AT = re.compile(r"\((-?[\d.]+), (-?[\d.]+), (-?[\d.]+)\)$")
 
@@ -183,7 +183,7 @@ def shown_of(check: Check, result: DesignResult) -> dict[str, Any]:
         "part": -1 if part is None else part,
         "position": None if place is None else list(place[:2]),
         "mode": check.kind == "buckling",
-        "field": FIELDS.get((check.kind, check.unit), STATIC),
+        "field": JUDGED_BY.get((check.kind, check.unit), STATIC),
         "at": None if found is None else [float(value) for value in found.groups()],
         "told": f"{brief(check.part, 40)} {brief(titles[id(check)], 60)}: {safety}",
         "short": f"{brief(check.kind, 40)}: {safety}",

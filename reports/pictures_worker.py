@@ -21,13 +21,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from PIL import PngImagePlugin  # noqa: F401 (each still needs it: loaded beside other work)
 
-from reports.plain_still import FACES, LIGHTING, LINES, MARK, plain_still, sharp_edges
-from reports.worker import AHEAD, ESTIMATE, PLAIN
-
-FloatArray = npt.NDArray[np.float64]
+from geometry.mesh import FloatArray
+from reports.plain_still import (
+    AHEAD,
+    ESTIMATE,
+    FACES,
+    LIGHTING,
+    LINES,
+    MARK,
+    PLAIN,
+    plain_still,
+    sharp_edges,
+)
 
 SIZE = (900, 600)
 _ISOMETRIC = np.array([1.0, -1.3, 0.9]) / np.linalg.norm([1.0, -1.3, 0.9])

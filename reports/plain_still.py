@@ -1,16 +1,43 @@
-"""Style of a part's surface in pictures, and pictures without graphics libraries: plain ones.
+"""Style and colours of a part's surface in pictures, and pictures without graphics libraries.
 
 Grey, or in the colours of a utilisation.
 """
 
+import json
+from functools import cache
+from importlib.resources import files
 from io import BytesIO
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from reports.live.colours import colour_maps, use_colours
+from geometry.mesh import FloatArray, IntArray
 
+
+@cache
+def colour_maps() -> dict[str, Any]:
+    """Maps by name: of matplotlib, as base64 of 256 times red, green, blue; and "use".
+
+    That of utilisations has the colours `low` up to 1 and `high` above, each evenly spread; of 256
+    of them `least` is the last of `low` where little or nothing is above 1.
+    """
+    text = files("reports.live").joinpath("colour_maps.json").read_text(encoding="utf-8")
+    return dict(json.loads(text))
+
+
+def use_colours(uses: FloatArray, end: float) -> FloatArray:
+    """Red, green, blue (n, 3), 0 to 255, of utilisations (n,); end of their scale, above 1."""
+    low, high = (np.array(colour_maps()["use"][name]) for name in ("low", "high"))
+    over = uses[:, None] > 1
+    return np.where(over, _between(high, (uses - 1) / (end - 1)), _between(low, uses))
+
+
+def _between(stops: FloatArray, share: FloatArray) -> FloatArray:
+    return np.stack([np.interp(share, np.linspace(0, 1, len(stops)), c) for c in stops.T], axis=1)
+
+
+PLAIN, ESTIMATE = "plain", "estimate"  # views that are drawn without graphics libraries
+AHEAD = "ahead"  # a file of a folder that is not waited for
 LIGHTING = "light kit"
 # Much ambient light: shading tells the shape, and must not change what a colour says.
 FACES = {"smooth_shading": False, "ambient": 0.6, "diffuse": 0.42, "specular": 0.0}
@@ -26,9 +53,6 @@ def sharp_edges(surface: Any) -> Any:
         feature_angle=SHARP, manifold_edges=False, non_manifold_edges=False
     )
 
-
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 _FINER = 2  # pixels drawn per pixel shown, each way
 _AMBIENT, _DIFFUSE = (0.6, 0.8), (0.42, 0.22)  # of grey, of colours

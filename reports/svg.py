@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from checks.result.words import clean
+from geometry.mesh import FloatArray
 
-FloatArray = npt.NDArray[np.float64]
 Ticks = Sequence[tuple[float, str]]
 
 # name: (light, dark). Series colours are those of Okabe and Ito (jfly, 2008), told apart with every

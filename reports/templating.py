@@ -37,6 +37,7 @@ from checks.result.words import (
     where,
 )
 from reports.files import replacing
+from reports.svg import colour_variables
 
 _TEMPLATES = Path(__file__).with_name("templates")
 
@@ -110,6 +111,10 @@ def environment() -> Environment:
         lstrip_blocks=True,
         finalize=lambda value: value if isinstance(value, Markup) else clean(value, lines=True),
     )
+    result.globals |= {
+        "light": Markup(colour_variables(dark=False)),
+        "dark": Markup(colour_variables(dark=True)),
+    }
     result.filters |= {
         "brief": brief,
         "need": need_text,

@@ -45,7 +45,7 @@ def verdict_text(
 
     The check that decides carries a > in front.
     """
-    width = max(60, width or get_terminal_size((100, 24)).columns)
+    width = line_width(width)
     positions = ", ".join(
         f"{brief(name, 24)}: {len(cycle.get('position', ()))} positions"
         for name, cycle in result.cycles.items()
@@ -130,7 +130,9 @@ def tried_sentence(rungs: Sequence[RungTried]) -> str:
     )
 
 
-def table_row(mark: str, cells: list[str], widths: list[int], right: Set[int]) -> list[str]:
+def table_row(
+    mark: str, cells: Sequence[str], widths: Sequence[int], right: Set[int], between: str = " "
+) -> list[str]:
     """Lines of a table's row: cells wrapped to their widths, those of `right` flush right."""
     wrapped = [wrap(cell, width) for cell, width in zip(cells, widths, strict=True)]
     lines = []
@@ -140,7 +142,7 @@ def table_row(mark: str, cells: list[str], widths: list[int], right: Set[int]) -
             text = cell[level] if level < len(cell) else ""
             gap = " " * (width - cell_len(text))
             parts.append(gap + text if column in right else text + gap)
-        lines.append((mark if level == 0 else "  ") + " ".join(parts).rstrip())
+        lines.append((mark if level == 0 else "  ") + between.join(parts).rstrip())
     return lines
 
 
@@ -149,6 +151,14 @@ def labelled(label: str, text: str, width: int, *, indent: int = 9) -> list[str]
     indent = max(indent, len(label) + 2) if label else 0
     first, *rest = wrap(clean(text), width - (indent or 2))
     return [(label.ljust(indent) + first).rstrip(), *(" " * (indent or 2) + line for line in rest)]
+
+
+def line_width(width: int | None) -> int:
+    """Columns of a line, at least 60: the terminal's (COLUMNS counts) where no width is asked for.
+
+    It is 100 when piped.
+    """
+    return max(60, width or get_terminal_size((100, 24)).columns)
 
 
 def wrap(text: str, width: int) -> list[str]:

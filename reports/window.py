@@ -21,11 +21,11 @@ from typing import Any
 
 import numpy as np
 
-from geometry.graphics import INSTALL
+from geometry import INSTALL
 from reports.files import replacing
+from reports.pictures import run_worker
 from reports.plain_still import FACES, LIGHTING, LINES, MARK, sharp_edges
 from reports.window_scene import FIELDS, SIGNED, Scene, read_scene, write_scene
-from reports.worker import run_worker
 
 _WORKER = (sys.executable, "-m", "reports.window")
 _PROBING = 60.0  # s

@@ -11,7 +11,6 @@ from typing import Any
 
 import parts_pictures
 
-from geometry.lever_outline import Eye, lever_outline
 from geometry.mesh import Interface
 from geometry.meshing import gmsh_session, mesh_shape
 from geometry.outlines import Contour, PlateOutline
@@ -27,7 +26,7 @@ from geometry.parts import (
     ToggleBar,
     TubeRod,
 )
-from geometry.parts.plate import Plate, PlateBore
+from geometry.parts.plate import Eye, Plate, PlateBore, lever_outline
 
 
 def plate_of(outline: PlateOutline, eyes: Sequence[Eye], thickness: float) -> Plate:

@@ -19,8 +19,7 @@ from ballesta.batches.cluster_worker import (
     run_there,
     versions,
 )
-from ballesta.batches.job import text_digest
-from ballesta.batches.outcome import CRASHED
+from ballesta.batches.job import CRASHED, text_digest
 from ballesta.batches.pool import Finished, PoolError
 from checks.design.errors import DesignError
 from checks.result.words import brief

@@ -8,11 +8,11 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from ballesta.batches.outcome import Job
+from ballesta.batches.job import Job
 from ballesta.run import folder_name
 from checks.design.effort import SWEPT
 from checks.design.errors import DesignError
-from geometry.bounded_files import read_bounded
+from geometry.parameters import read_bounded
 from reports.files import write_whole
 
 REPORTS_UP_TO = 50  # jobs have a report each unless asked otherwise

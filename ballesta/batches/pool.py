@@ -23,7 +23,7 @@ from shutil import rmtree
 from time import monotonic
 from typing import Any
 
-from ballesta.batches.outcome import CRASHED, OUT_OF_MEMORY, OUT_OF_TIME
+from ballesta.batches.job import CRASHED, OUT_OF_MEMORY, OUT_OF_TIME
 from ballesta.batches.processes import Admission, end_with_children, ending, resident_bytes
 from fem.threads import ONE_THREAD
 

@@ -25,7 +25,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from ballesta.batches.outcome import CRASHED, OUT_OF_MEMORY
+from ballesta.batches.job import CRASHED, OUT_OF_MEMORY
 
 
 def end_with_children(process: "subprocess.Popen[bytes]") -> None:

@@ -8,7 +8,7 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from ballesta.batches.outcome import TIMINGS
+from ballesta.batches.job import TIMINGS
 from ballesta.batches.plan import Plan
 from checks.result.words import clean
 from reports.files import write_whole

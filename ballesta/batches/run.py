@@ -17,15 +17,17 @@ from time import monotonic
 from typing import Any, Protocol, Self
 
 from ballesta.batches.cluster import Cluster
-from ballesta.batches.job import RUN, step_of, text_digest
-from ballesta.batches.outcome import (
+from ballesta.batches.job import (
     NOT_RUN,
+    RUN,
     STOPPED,
     TIMINGS,
     WRONG_INPUT,
     Job,
     ended,
     folder_error,
+    step_of,
+    text_digest,
 )
 from ballesta.batches.plan import Plan
 from ballesta.batches.pool import Finished, Limits, Pool, PoolError, fatal_words

@@ -7,19 +7,19 @@ from pathlib import Path
 
 import loads
 from ballesta.design.read import read_design
-from ballesta.machine.balance import balance_gates, measured_loads, not_measured
 from ballesta.machine.blows import blow_gates, blows_of, transients_of
 from ballesta.machine.drive_speed import evenness_of, speed_assumptions, speed_gates, speed_warnings
-from ballesta.machine.events import event_assumptions, with_events
 from ballesta.machine.shown_loads import shown_cycle, shown_run
 from ballesta.machine.solved_cycles import (
+    event_assumptions,
     part_masses,
     parts_that_give,
     solve_cycles,
     try_cycles,
+    with_events,
     without_unknown_contacts,
 )
-from ballesta.machine.validity_checks import load_gates
+from ballesta.machine.validity_checks import balance_gates, load_gates, measured_loads, not_measured
 from ballesta.machine.warnings_of import load_warnings
 from ballesta.run import Say, guarded, told_of_folder
 from checks.design.data import Design
@@ -28,8 +28,7 @@ from checks.result.words import gate_sentence, gate_word
 from checks.stress.kept_models import Models
 from geometry.progress import step
 from reports.files import plain, write_whole
-from reports.loads_csv import loads_csv
-from reports.loads_summary import LoadsResult
+from reports.loads_summary import LoadsResult, loads_csv
 from reports.loads_text import loads_text
 
 Masses = Mapping[str, tuple[float, tuple[float, float], float]]

@@ -12,15 +12,12 @@ from checks.design.data import Pair, Part
 from checks.design.errors import listed, no_such
 from checks.design.model import PlatePartEntry, StepPartEntry
 from checks.design.step_entry import KINDS
-from geometry.bounded_files import MOST_CAD, read_bounded
 from geometry.drawings import DrawingError, Drawn
-from geometry.dxf_file import UNITS, read_dxf
-from geometry.lever_outline import Eye, lever_outline
+from geometry.dxf_file import UNITS, read_dxf, read_svg_path
 from geometry.outlines import OutlineError
-from geometry.parameters import ParameterError
-from geometry.parts.plate import Plate, PlateBore
+from geometry.parameters import MOST_CAD, ParameterError, read_bounded
+from geometry.parts.plate import Eye, Plate, PlateBore, lever_outline
 from geometry.parts.step_part import NamedHole, StepPart
-from geometry.svg_path import read_svg_path
 
 _MOST_TOLD = 20  # holes in one message
 _BELONGS = {  # keys of the shape's table and of a hole, and the kinds that they belong to

@@ -15,7 +15,17 @@ from pydantic import BaseModel, Tag, ValidationError
 
 import loads
 from ballesta.design.cycles import cycles_of, duty_of, events_of, split_cycles
-from ballesta.design.files import Reading, Sources, read_design_files
+from ballesta.design.files import (
+    Reading,
+    Sources,
+    Way,
+    apply_override,
+    dotted,
+    parse_override,
+    read_design_files,
+    resolve_like,
+    split_key,
+)
 from ballesta.design.forces import cylinders_of, forces_of
 from ballesta.design.linkage import (
     bodies_of,
@@ -28,14 +38,6 @@ from ballesta.design.linkage import (
     pins_of,
 )
 from ballesta.design.measured import measured_of
-from ballesta.design.overrides import (
-    Way,
-    apply_override,
-    dotted,
-    parse_override,
-    resolve_like,
-    split_key,
-)
 from ballesta.design.parts import materials_of, parts_of
 from ballesta.design.plate_parts import told_of_steps
 from checks.design.data import Cycle, Design, Part, StatedMass

@@ -28,6 +28,7 @@ from reports.difference_text import (
     largest_first,
     relative_change,
 )
+from reports.files import FORMAT
 
 Data = Mapping[str, Any]
 
@@ -118,7 +119,6 @@ def number_of(value: Any) -> float | None:
     return float(value) if isfinite(value) else None
 
 
-FORMAT = "ballesta-result/1"
 _RANK = {str(Status.FAIL): 0, str(Status.UNDECIDED): 1, str(Status.PASS): 2}
 _EXPECTED = ("status", "inputs", "cycles", "parts", "linkage", "gates")
 _MASS = "mass [kg]"

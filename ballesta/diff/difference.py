@@ -12,7 +12,7 @@ from ballesta.run import Say, guarded, told_of_folder
 from checks.design.effort import effort_of
 from checks.design.errors import DesignError, listed
 from checks.result.words import brief
-from geometry.bounded_files import MEBIBYTE, read_bounded
+from geometry.parameters import MEBIBYTE, read_bounded
 from geometry.progress import step
 from reports.difference_text import VERDICTS, DesignDifference, Difference
 from reports.files import plain

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 import loads
-from ballesta.machine.events import event_figures, summed
+from ballesta.machine.solved_cycles import event_figures, summed
 from checks.design.data import Cycle, Design
 from checks.part.part_loads import shown_name, shown_of, shown_position
 from checks.result.words import brief, number

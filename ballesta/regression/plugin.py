@@ -11,15 +11,16 @@ from typing import Any
 
 import pytest
 
-from ballesta.regression.baseline import CheckError, measure
 from ballesta.regression.compare import Comparison, compare
 from ballesta.regression.file import (
     SUFFIX,
     Baseline,
     BaselineError,
+    CheckError,
     baseline_path,
     design_path,
     is_old,
+    measure,
     read_baseline,
     write_record,
 )

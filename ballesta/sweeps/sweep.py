@@ -9,7 +9,7 @@ from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
-from ballesta.design.overrides import split_key
+from ballesta.design.files import split_key
 from ballesta.design.read import read_design
 from ballesta.sweeps.sweep_text import MOST, Sweep, parse_sweep, refusal, written
 from checks.design.data import Design

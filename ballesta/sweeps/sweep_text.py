@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ballesta.design.overrides import split_key
+from ballesta.design.files import split_key
 from checks.design.errors import DesignError
 
 MOST = 100_000  # values of one sweep, and variations of one design

@@ -3,8 +3,8 @@
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError
 from geometry.mesh import TooFineError, TooManyUnknownsError
-from geometry.part_sizes import far_apart, key_of, sizes_of
 from geometry.parts.pin import as_pin
+from geometry.shape import far_apart, key_of, sizes_of
 
 _BY_WIDTH = 3  # power of a narrow lug's width by which unknowns fall
 

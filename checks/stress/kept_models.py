@@ -19,9 +19,8 @@ from geometry.closed_form import closed_body
 from geometry.mesh import Mesh
 from geometry.meshing import mesh_shape
 from geometry.progress import expect
-from geometry.shape import Buildable
+from geometry.shape import Buildable, Half
 from geometry.sizing import SizeField
-from geometry.symmetry import Half
 
 if TYPE_CHECKING:
     from fem.unit_solutions import Elastic, UnitSolutions

@@ -9,7 +9,7 @@ from checks.result.verdict import Surface
 from checks.stress.solid_mesh_level import Level
 from fem.recovery import von_mises
 from geometry.mesh import FloatArray, IntArray, Mesh
-from geometry.symmetry import Half, has_middle_plane
+from geometry.shape import Half, has_middle_plane
 
 DISPLACEMENT = "displacement [mm]"
 STRESS = "stress [MPa]"

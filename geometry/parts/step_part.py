@@ -14,8 +14,7 @@ from geometry.mesh import FloatArray, Interface, MeshError
 from geometry.parameters import ParameterError, check_above
 from geometry.round_faces import Hole
 from geometry.shape import Body, Region, Shape
-from geometry.step_file import StepSolid, file_hash, import_solid
-from geometry.step_survey import surveyed
+from geometry.step_file import StepSolid, file_hash, import_solid, surveyed
 
 if TYPE_CHECKING:
     from geometry.slices import Slice

@@ -5,28 +5,20 @@ from dataclasses import dataclass
 
 from checks.result.verdict import DesignResult, PartResult
 from reports.charts.buckling import buckling_chart
-from reports.charts.chart import Chart, Charts, Missing, Series, gathered
-from reports.charts.convergence import convergence_chart
-from reports.charts.cycles import cycle_charts
+from reports.charts.chart import Charts, gathered
+from reports.charts.cycles import curves_chart, cycle_charts
 from reports.charts.haigh import haigh_chart
-from reports.charts.ladder import ladder_chart
-from reports.charts.overlay import curves_chart
+from reports.charts.ladder import convergence_chart, ladder_chart
 from reports.charts.sn import sn_chart
 
 __all__ = [
-    "Chart",
     "Charts",
     "DesignCharts",
-    "Missing",
-    "Series",
     "curves_chart",
     "cycle_charts",
     "design_charts",
     "part_charts",
 ]
-
-
-# The charts of a part.
 
 
 def part_charts(part: PartResult, result: DesignResult) -> Charts:
@@ -40,9 +32,6 @@ def part_charts(part: PartResult, result: DesignResult) -> Charts:
             convergence_chart(part),
         ]
     )
-
-
-# All charts of a design.
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,9 @@ from checks.handbook.column_curves import (
 )
 from checks.result.verdict import DesignResult, PartResult
 from checks.result.words import brief, need_text, number, safety_text
+from geometry.mesh import FloatArray
 from reports.charts.chart import (
     Chart,
-    FloatArray,
     Missing,
     Series,
     decimals_of,

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from geometry.mesh import FloatArray
 from reports.svg import SERIES
-
-FloatArray = npt.NDArray[np.float64]
 
 _DIGITS = 3  # that a curve's largest value is read off with
 _ROWS = 13  # even places of a cycle that its table has

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from reports.charts.chart import SIZE, FloatArray
+from geometry.mesh import FloatArray
+from reports.charts.chart import SIZE
 from reports.svg import INK, Drawing, draw
 
 _LETTER, _HEIGHT = 0.56, 1.15  # of the font's size

@@ -9,9 +9,9 @@ import numpy as np
 from checks.result.verdict import Check, DesignResult, PartResult
 from checks.result.words import brief, need_text, number, safety_text
 from fatigue import equivalent_amplitude
+from geometry.mesh import FloatArray
 from reports.charts.chart import (
     Chart,
-    FloatArray,
     Missing,
     Series,
     decimals_of,

@@ -5,7 +5,7 @@ import tomllib
 from math import cos, pi, radians, sin
 from pathlib import Path
 
-from ballesta.design.overrides import resolve_like
+from ballesta.design.files import resolve_like
 from ballesta.design.read import read_design
 from ballesta.pipeline import check_design
 from checks.ladder.part_ladder import Effort

@@ -6,8 +6,8 @@ import pytest
 
 from ballesta.design.read import read_design
 from checks.design.errors import DesignError
-from geometry import bounded_files
-from geometry.bounded_files import read_bounded
+from geometry import parameters
+from geometry.parameters import read_bounded
 
 from ..small_machine import MACHINE, PLATE
 
@@ -55,7 +55,7 @@ def test_a_pipe_that_nobody_writes_to_is_not_waited_for(tmp_path):
 
 
 def test_a_file_that_is_too_large_is_not_read_to_its_end(tmp_path, monkeypatch):
-    monkeypatch.setattr(bounded_files, "MEBIBYTE", 1)
+    monkeypatch.setattr(parameters, "MEBIBYTE", 1)
     (tmp_path / "large").write_bytes(b"x" * 100)
     assert len(read_bounded(tmp_path / "large", 100)) == 100
     with pytest.raises(OSError, match="has more than 99 MiB, the most that is read"):

@@ -200,7 +200,7 @@ def test_the_schema_is_json(command, tmp_path):
 def test_a_reader_that_has_seen_enough_is_no_error():
     """As in `ballesta schema | head -1`, where the last lines wait when nobody reads any more."""
     code = (
-        "import os; from ballesta.streams import finish_standard_output as finish; "
+        "import os; from ballesta.supervisor import finish_standard_output as finish; "
         "reading, writing = os.pipe(); os.close(reading); os.dup2(writing, 1); "
         "print('left over'); {}"
     )

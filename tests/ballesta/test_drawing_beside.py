@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import ballesta.pipeline
-import reports.live.payload
+import reports.live.section
 import reports.pictures
 from ballesta.run import check_to_folder
 from checks.design.effort import Effort
@@ -41,7 +41,7 @@ def told(tmp_path, monkeypatch):
     telling(reports.pictures, "prepare_drawing")
     telling(ballesta.pipeline, "check_with_cycles")
     telling(reports.pictures, "drawing")
-    telling(reports.live.payload, "with_encoded_fields")
+    telling(reports.live.section, "with_encoded_fields")
     return found
 
 

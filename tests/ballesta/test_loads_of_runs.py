@@ -10,12 +10,12 @@ import pytest
 
 from ballesta.commands.loads_command import loads_of_file
 from ballesta.design.read import read_design
-from ballesta.machine.balance import measured_loads
 from ballesta.machine.solved_cycles import solve_cycles
+from ballesta.machine.validity_checks import measured_loads
 from ballesta.pipeline import check_file
 from checks.design.errors import DesignError
-from reports.loads_csv import loads_csv
 from reports.loads_page import loads_html
+from reports.loads_summary import loads_csv
 from reports.loads_text import loads_text
 
 from .test_measured_loads import MACHINE, MEASURED, SOLVED, TUBE, columns_of, csv_text, written

@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[2]
 # that only tells what another has finished is as it is.
 HOGS = """
 import ctypes, os, signal, sys
-from ballesta import supervised
+from ballesta import __main__ as program
 from geometry import progress
 
 def held(*_, **__):
@@ -32,7 +32,7 @@ def held(*_, **__):
 def solid(parent):
     import checks.ladder.part_ladder
     checks.ladder.part_ladder.solid_result = held
-    supervised.run(parent)
+    program.run(parent)
 
 def late(parent):
     import checks.ladder.part_ladder
@@ -43,12 +43,12 @@ def late(parent):
         ctypes.PyDLL(None).sleep(600)
 
     checks.ladder.part_ladder.solid_result = held_late
-    supervised.run(parent)
+    program.run(parent)
 
 def loads(parent):
     import ballesta.machine.runs
     ballesta.machine.runs.solve_cycles = held
-    supervised.run(parent)
+    program.run(parent)
 
 def noise(parent):
     import ballesta.run
@@ -59,12 +59,12 @@ def noise(parent):
         return solved(*arguments)
 
     ballesta.run.guarded = noisy
-    supervised.run(parent)
+    program.run(parent)
 
 def crash(parent):
     import checks.ladder.part_ladder
     checks.ladder.part_ladder.solid_result = lambda *_, **__: os.kill(os.getpid(), signal.SIGSEGV)
-    supervised.run(parent)
+    program.run(parent)
 """
 pytestmark = pytest.mark.skipif(
     not sys.platform.startswith("linux"), reason="sleep(3) of the C library"

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from ballesta.commands.until_command import parts_of
+from ballesta.commands.batch_command import parts_of
 from ballesta.design.read import read_design
 from ballesta.sweeps.sweep import design_variations
 from ballesta.sweeps.sweep_text import parse_sweep

@@ -13,7 +13,7 @@ from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.mesh import MeshError
 from geometry.meshing import mesh_shape
 from geometry.parts import PlateLink
-from geometry.symmetry import Half
+from geometry.shape import Half
 
 from .blocks import PIN
 from .mirrors import whole_of

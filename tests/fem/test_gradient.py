@@ -8,7 +8,7 @@ from fem.gradient import SurfaceSlopes, inward_normals, related_gradient
 from fem.unit_solutions import Elastic, determinate_hold, solve_unit_loads
 from geometry.meshing import mesh_shape
 from geometry.parts import PlateLink
-from geometry.symmetry import Half
+from geometry.shape import Half
 
 from ..boundary_value import SolidProblem, traction_load
 from ..validation.plane.fields import kirsch_stress

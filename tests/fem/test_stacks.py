@@ -13,6 +13,7 @@ from fem.leaf_stack import tie_tension
 from fem.ties import bodies_of, ties_of
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.mesh import MeshError, Tie
+from tests.bonded import bonded
 
 from .blocks import block, wrench
 from .stacks import POISSON, YOUNG, clamped, sliding, stack
@@ -78,7 +79,7 @@ def test_three_leaves_bend_like_three_beams_side_by_side(pack):
     area = WIDE * THICK
     apart = deflection(pack)
     assert_allclose(apart, beam_deflection(3 * leaf, 3 * area), rtol=0.007)
-    glued = deflection(solve_unit_loads(pack.mesh.bonded(), STEEL))
+    glued = deflection(solve_unit_loads(bonded(pack.mesh), STEEL))
     assert_allclose(glued, beam_deflection(27 * leaf, 3 * area), rtol=0.003)
     assert 8.8 < apart / glued < 9.0
 
@@ -118,7 +119,7 @@ def test_tied_nodes_move_together_across_and_slide_along(pack):
 def test_leaves_tied_along_all_axes_are_the_glued_pack():
     """The same matrix by two ways: nodes made one, or T' K T. Round-off, 1e-9."""
     mesh = with_clamps(stack(3, (24, 1, 1), SIZES, start=-HALF, axes=(0, 1, 2)))
-    tied, glued = (solve_unit_loads(m, STEEL) for m in (mesh, mesh.bonded()))
+    tied, glued = (solve_unit_loads(m, STEEL) for m in (mesh, bonded(mesh)))
     assert tied.ties is not None
     assert glued.ties is None
     for solutions in (tied, glued):
@@ -263,7 +264,7 @@ def test_between_leaves_goes_what_the_clamps_give_the_outer_ones_and_inertia_tak
 def test_the_stress_between_leaves_is_not_asked_of_a_part_of_one_body(pack):
     with pytest.raises(ValueError, match="nothing is tied along y"):
         tie_tension(
-            replace(pack, elements=replace(pack.elements, mesh=pack.mesh.bonded())), 1.0, window=1.0
+            replace(pack, elements=replace(pack.elements, mesh=bonded(pack.mesh))), 1.0, window=1.0
         )
 
 

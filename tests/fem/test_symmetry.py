@@ -17,7 +17,7 @@ from fem.unit_solutions import Elastic, compliance, rigid_modes, solve_unit_load
 from geometry.mesh import SYMMETRY, MeshError
 from geometry.meshing import mesh_shape
 from geometry.parts import PlateLink, PrismaticTube, SlottedLever
-from geometry.symmetry import Half
+from geometry.shape import Half
 
 from .blocks import BAR
 from .direct_stress import direct_stress

@@ -12,7 +12,7 @@ from geometry.carrying import Carrier, harmonic
 from geometry.mesh import FoldedElementError, Mesh, MeshError
 from geometry.meshing import mesh_shape
 from geometry.parts import PlateLink
-from geometry.symmetry import Half
+from geometry.shape import Half
 
 from .bars import PRESS_BAR
 

@@ -8,7 +8,7 @@ from time import monotonic, sleep
 import psutil
 import pytest
 
-from geometry.child import Child
+from geometry.progress import Child
 
 ROOT = Path(__file__).parents[2]
 # PyDLL keeps Python's lock, as CHOLMOD does: no signal handler and no thread of Python runs
@@ -79,7 +79,7 @@ def test_a_child_that_holds_pythons_lock_is_ended_at_once_with_its_own(work):
 
 def test_a_child_ends_when_its_parent_is_killed(work):
     code = f"import sys; sys.path[:0] = {[str(work), str(ROOT)]!r}; import time; "
-    code += "from geometry.child import Child; child = Child('work:idle'); time.sleep(600)"
+    code += "from geometry.progress import Child; child = Child('work:idle'); time.sleep(600)"
     command = [sys.executable, "-c", code]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as parent:
         assert parent.stdout is not None

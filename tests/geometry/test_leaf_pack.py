@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from geometry.mesh import boundary_facets
 from geometry.meshing import mesh_shape
 from geometry.parts import LeafPack
+from tests.bonded import bonded
 
 from .facets import area
 
@@ -92,7 +93,7 @@ def parted(mesh):
 
 def test_leaves_share_no_node_and_bonded_ones_are_one_body(pack):
     assert parted(pack) == 3
-    glued = pack.bonded()
+    glued = bonded(pack)
     assert parted(glued) == 1
     assert_allclose(area(glued, glued.surfaces["pivot"]), 9600, rtol=1e-10)
     # outside faces only: no leaf's inner face is a boundary any more

@@ -8,11 +8,10 @@ from numpy.testing import assert_allclose
 
 from geometry.cad_body import cad_body, cad_skin
 from geometry.meshing import mesh_shape
-from geometry.part_sizes import in_unit, unit_of
 from geometry.parts import LeafPack, Pin, PlateLink, Seat, TubeRod
 from geometry.parts.step_part import NamedHole
+from geometry.shape import Half, in_unit, unit_of
 from geometry.sizing import size_field
-from geometry.symmetry import Half
 
 LINK = PlateLink(length=60, width=24, thickness=8, hole=10, second_hole=12)
 PIN = Pin(

@@ -8,13 +8,12 @@ from numpy.testing import assert_allclose
 
 from geometry.cad_body import cad_body
 from geometry.closed_form import closed_body
-from geometry.lever_outline import Eye, lever_outline
 from geometry.meshing import mesh_shape
 from geometry.outlines import Contour, PlateOutline
 from geometry.parameters import ParameterError
 from geometry.parts import PlateLink
-from geometry.parts.plate import Plate, PlateBore
-from geometry.symmetry import Half
+from geometry.parts.plate import Eye, Plate, PlateBore, lever_outline
+from geometry.shape import Half
 
 STRAIGHT = ((0, 30), (100, 30), (160, 30))
 BENT = ((0, 30), (100, 46), (120 + 70j, 24))

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry.mesh import Mesh, MeshError, boundary_facets
+from geometry.mesh import MeshError, boundary_facets
 from geometry.meshing import mesh_shape, split_bodies, ties_of
 from geometry.shape import Body, faces_where
+from tests.bonded import bonded
 
 from .facets import area
 
@@ -92,7 +93,7 @@ def test_a_pile_of_boxes_has_all_its_boxes_volume_and_is_tied_where_they_touch()
 
 def test_a_bonded_pile_is_the_same_mesh_with_one_node_where_there_were_two():
     mesh = mesh_shape(Pile(3))
-    glued = mesh.bonded()
+    glued = bonded(mesh)
     assert glued.ties == ()
     assert len(glued.nodes) == len(mesh.nodes) - len(mesh.ties[0].pairs)
     assert len(np.unique(glued.nodes, axis=0)) == len(glued.nodes)
@@ -101,18 +102,12 @@ def test_a_bonded_pile_is_the_same_mesh_with_one_node_where_there_were_two():
 
 def test_a_surface_across_all_boxes_takes_each_boxs_own_nodes():
     mesh = mesh_shape(Pile(3))
-    for same in (mesh, mesh.bonded()):
+    for same in (mesh, bonded(mesh)):
         facets = same.surfaces["side"]
         assert_allclose(area(same, facets), 300, rtol=1e-12)
         assert_allclose(same.nodes[facets][..., 0], 10)
         boundary = {tuple(sorted(facet)) for facet in boundary_facets(same.elements).tolist()}
         assert {tuple(sorted(facet)) for facet in facets.tolist()} <= boundary
-
-
-def test_bonding_a_mesh_without_ties_leaves_it_alone():
-    mesh = mesh_shape(Pile(1))
-    assert isinstance(mesh, Mesh)
-    assert mesh.bonded() is mesh
 
 
 def test_a_pile_with_a_gap_is_refused():

@@ -3,11 +3,10 @@
 import pytest
 from numpy.testing import assert_array_equal
 
-from geometry import step_survey
+from geometry import step_file
 from geometry.parameters import ParameterError
 from geometry.parts.step_part import NamedHole, StepPart
-from geometry.step_file import file_hash, survey_step
-from geometry.step_survey import surveyed
+from geometry.step_file import file_hash, survey_step, surveyed
 
 from .step_files import link_file
 
@@ -19,7 +18,7 @@ def link(tmp_path_factory):
 
 @pytest.fixture(autouse=True)
 def forgotten(monkeypatch):
-    monkeypatch.setattr(step_survey, "_kept", {})
+    monkeypatch.setattr(step_file, "_kept", {})
 
 
 def asked(path):
@@ -67,14 +66,14 @@ def test_a_bit_that_has_flipped_is_told_whatever_the_kernel_does(
     [("SECONDS", 0.01, "more than 0.01 s"), ("MEMORY", 2**20, "GiB of memory")],
 )
 def test_a_file_that_holds_the_kernel_is_let_go(link, monkeypatch, limit, value, told):
-    monkeypatch.setattr(step_survey, limit, value)
+    monkeypatch.setattr(step_file, limit, value)
     with pytest.raises(ParameterError, match=told):
         asked(link)
 
 
 def test_a_file_is_surveyed_once(link, monkeypatch):
     found = asked(link)
-    monkeypatch.setattr(step_survey.sys, "executable", "/no/such/python")
+    monkeypatch.setattr(step_file.sys, "executable", "/no/such/python")
     assert asked(link) is found
     with pytest.raises(ParameterError, match="no process starts"):
         surveyed(link, "another digest")

@@ -6,7 +6,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from geometry.drawings import DrawingError
-from geometry.svg_path import read_svg_path
+from geometry.dxf_file import read_svg_path
 
 
 def area(text: str, scale: float = 1.0) -> float:

@@ -19,9 +19,8 @@ from geometry.parts import (
     ToggleBar,
     TubeRod,
 )
-from geometry.shape import Body
+from geometry.shape import Body, Half, has_middle_plane
 from geometry.sizing import SizeField, element_sizes
-from geometry.symmetry import Half, has_middle_plane
 
 from .facets import area
 

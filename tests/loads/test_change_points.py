@@ -84,6 +84,6 @@ def test_a_small_eccentric_in_a_large_linkage_is_not_taken_for_a_change_point():
 
 def test_a_linkage_that_no_number_of_steps_tells_from_a_change_point_is_refused(monkeypatch):
     """A pin 629 km away (a mistyped minus 629 mm) halved steps until 4 GiB of memory were gone."""
-    monkeypatch.setattr("loads.assembly._MOST", 5)
+    monkeypatch.setattr("loads.path._MOST", 5)
     with pytest.raises(LinkageError, match=r"cannot be told from one that can go on in two ways"):
         trace(four_bar(39.87, 100.0, 40.0, 100.0, at=pi / 3), Angle("crank"), 0.1, 6.2)

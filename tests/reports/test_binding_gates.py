@@ -1,7 +1,8 @@
 """A gate that is not binding is told, but leaves the verdict as it is."""
 
 from checks.result.verdict import Gate, Status
-from reports import report_html, verdict_text
+from reports.page import report_html
+from reports.terminal import verdict_text
 
 from . import results
 from .test_page import Page

@@ -24,8 +24,7 @@ from checks.result.derivation import (
 from checks.result.derivation_data import derivation_of_data
 from checks.result.formulas import FormulaError
 from checks.result.verdict import Status
-from reports.derivation_text import derivation_text
-from reports.derivation_words import bar_texts, paragraphs, shares_of, status_texts
+from reports.derivation_text import bar_texts, derivation_text, paragraphs, shares_of, status_texts
 from reports.page import FILTERS, formula_markup, view_of
 from reports.templating import environment
 

@@ -6,17 +6,20 @@ import meshio
 import numpy as np
 import pytest
 
-from reports import read_json, replacing, write_json, write_vtu
-from reports.files import _over_lines, plain
+from reports.files import _over_lines, plain, replacing, write_json, write_vtu
 
 from . import results
+
+
+def read(folder):
+    return json.loads((folder / "result.json").read_text(encoding="utf-8"))
 
 
 def test_a_result_comes_back_from_json_as_it_went(tmp_path):
     """Floats are written to the last digit, so nothing is left: ==."""
     result = results.mixed()
     write_json(result, tmp_path / "result.json")
-    back = read_json(tmp_path / "result.json")
+    back = read(tmp_path)
     assert back == plain(result.to_dict())
     assert back["status"] == "FAIL"
     assert back["decided_by"] == {"id": "bar_upper/fatigue", "part": "bar_upper", "kind": "fatigue"}
@@ -32,7 +35,7 @@ def test_infinite_bars_and_gaps_become_null(tmp_path):
     text = (tmp_path / "result.json").read_text()
     assert "NaN" not in text
     assert "Infinity" not in text
-    back = read_json(tmp_path / "result.json")
+    back = read(tmp_path)
     assert back["cycles"]["press"]["peaks"]["pin_B"] == [1.0, None, None]
     assert back["parts"][1]["checks"][1]["numerical"] is None
 
@@ -50,7 +53,7 @@ def test_a_list_of_numbers_stands_on_one_line(tmp_path):
     result.cycles["press"]["peaks"] = {"pin_B": [1.5, np.nan, -2e-9]}
     write_json(result, tmp_path / "result.json")
     assert '"pin_B": [1.5, null, -2e-09]' in (tmp_path / "result.json").read_text()
-    assert read_json(tmp_path / "result.json")["warnings"] == list(result.warnings)
+    assert read(tmp_path)["warnings"] == list(result.warnings)
 
 
 def test_all_else_stands_on_lines_as_json_sets_them():
@@ -60,22 +63,9 @@ def test_all_else_stands_on_lines_as_json_sets_them():
 
 def test_hostile_names_survive_json(tmp_path):
     write_json(results.hostile(), tmp_path / "result.json")
-    assert read_json(tmp_path / "result.json")["parts"][0]["name"] == results.HOSTILE
+    assert read(tmp_path)["parts"][0]["name"] == results.HOSTILE
     write_json(results.design(name="half \ud800"), tmp_path / "result.json")
-    assert read_json(tmp_path / "result.json")["name"] == "half ?"
-
-
-@pytest.mark.parametrize("text", ['{"format": "other/1"}', "[1]", '"x"'])
-def test_another_file_is_refused(tmp_path, text):
-    (tmp_path / "x.json").write_text(text)
-    with pytest.raises(ValueError, match="expected a result of format 'ballesta-result/1', got"):
-        read_json(tmp_path / "x.json")
-
-
-def test_a_number_that_json_does_not_know_is_refused(tmp_path):
-    (tmp_path / "x.json").write_text(json.dumps({"format": "ballesta-result/1", "x": float("nan")}))
-    with pytest.raises(ValueError, match="holds no NaN"):
-        read_json(tmp_path / "x.json")
+    assert read(tmp_path)["name"] == "half ?"
 
 
 def test_what_json_cannot_hold_is_refused():

@@ -12,8 +12,8 @@ from ballesta.sweeps.improve import with_changes
 from checks.design.effort import Effort
 from checks.result.verdict import Status
 from checks.result.words import clean, moment, need_text, number, safety_text
-from reports import write_report
 from reports.answer_facts import answer_text
+from reports.page import write_report
 
 from .test_numbers_agree import assert_same_everywhere, schema_of_results
 

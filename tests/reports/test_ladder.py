@@ -2,8 +2,8 @@ from dataclasses import replace
 
 from rich.cells import cell_len
 
-from reports import report_html, verdict_text
-from reports.terminal import tried_sentence
+from reports.page import report_html
+from reports.terminal import tried_sentence, verdict_text
 
 from . import ladder_results, results
 from .test_page import Page

@@ -4,7 +4,7 @@ from io import StringIO
 import numpy as np
 import pytest
 
-from reports.loads_csv import loads_csv
+from reports.loads_summary import loads_csv
 
 from . import loads_results
 

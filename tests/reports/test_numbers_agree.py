@@ -2,6 +2,7 @@
 
 import copy
 import csv
+import json
 import re
 from html import unescape
 from io import StringIO
@@ -13,16 +14,15 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from ballesta.api import DesignResult
-from ballesta.batches.outcome import Job, judged
+from ballesta.batches.job import Job, judged
 from ballesta.batches.results import csv_text, result_rows
 from ballesta.design.read import read_design
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.result.verdict import NOT_MESHED, Check, check_ids
 from checks.result.words import need_text, number, safety_text, utilisation_text, value_and_bars
-from reports import read_json, write_json, write_report
-from reports.files import write_vtu
-from reports.result_schema import result_schema
+from reports.files import result_schema, write_json, write_vtu
+from reports.page import write_report
 from reports.terminal import verdict_text
 from tests.small_machine import PLATE, machine
 
@@ -78,7 +78,7 @@ def test_a_design_has_the_same_numbers_wherever_they_are_read(tmp_path, schema):
 def assert_same_everywhere(result, folder, schema):
     """Assert that every reader of a result, its page report.html in a folder, has its numbers."""
     write_json(result, folder / "result.json")
-    data = read_json(folder / "result.json")
+    data = json.loads((folder / "result.json").read_text(encoding="utf-8"))
     valid(schema, data)
     checks = all_checks(data)
     assert len({check["id"] for check in checks}) == len(checks) == len(result.checks)

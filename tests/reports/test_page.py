@@ -11,8 +11,9 @@ from itertools import pairwise
 import pytest
 
 from checks.result.verdict import Gate, HandCheck
-from reports import Pictures, report_html, write_report
+from reports.page import report_html, write_report
 from reports.page_parts import alike_parts, ratio
+from reports.pictures import Pictures
 from reports.templating import SCRIPTS, script_text, value_text
 
 from . import results

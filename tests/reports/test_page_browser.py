@@ -7,7 +7,8 @@ import pytest
 
 from checks.result.derivation import Derivation, Given, LoadCase, Section, Step
 from checks.result.verdict import Gate
-from reports import Pictures, write_report
+from reports.page import write_report
+from reports.pictures import Pictures
 
 from . import motion_results, results
 from .conftest import NO_GL, until

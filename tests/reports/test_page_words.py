@@ -6,9 +6,9 @@ import pytest
 
 from checks.result.derivation import Derivation, LoadCase
 from checks.result.verdict import Gate, RungTried
-from reports import report_html
 from reports.gauge import gauge
 from reports.live.section import live_section
+from reports.page import report_html
 from reports.page_words import (
     deciding_place,
     mirrored,

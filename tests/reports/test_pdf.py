@@ -10,8 +10,8 @@ from types import SimpleNamespace
 import pytest
 
 from ballesta import run
-from reports import pdf
-from reports.pdf import PrintError, find_browser, print_pdf
+from reports import page
+from reports.page import PrintError, find_browser, print_pdf
 
 PRINTS = """
 import pathlib, sys, urllib.parse
@@ -50,7 +50,7 @@ def test_the_browser_that_is_stated_is_taken_and_one_that_is_none_is_named(tmp_p
 
 def test_without_a_browser_the_cure_is_named(monkeypatch):
     monkeypatch.delenv("BALLESTA_BROWSER", raising=False)
-    monkeypatch.setattr(pdf.shutil, "which", lambda name: None)
+    monkeypatch.setattr(page.shutil, "which", lambda name: None)
     with pytest.raises(PrintError, match=r"apt-get install -y chromium.*BALLESTA_BROWSER"):
         find_browser()
 
@@ -74,7 +74,7 @@ def test_a_pdf_replaces_the_one_that_was_there(report, tmp_path):
 def test_a_browser_that_prints_nothing_leaves_what_was_there(
     text, told, report, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(pdf, "_LONGEST", 0.4)
+    monkeypatch.setattr(page, "_LONGEST", 0.4)
     made = report.with_suffix(".pdf")
     made.write_text("old")
     with pytest.raises(PrintError, match=told):

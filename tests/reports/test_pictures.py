@@ -12,19 +12,21 @@ from PIL import Image
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import NOT_MESHED
 from checks.result.words import utilisation_text
-from reports import pictures_worker, report_html
-from reports.live.payload import estimate_of, with_encoded_fields
+from reports import pictures_worker
+from reports.live.section import estimate_of, with_encoded_fields
+from reports.page import report_html
 from reports.page_parts import _captions
 from reports.pictures import (
+    Ended,
+    StandingWorker,
     _ahead,
     draw_ahead,
     drawing,
     prepare_drawing,
-    render_stills,
     stress_field,
 )
 from reports.pictures_worker import SIZE, corner_view, view_of
-from reports.worker import AHEAD, Ended, StandingWorker
+from reports.plain_still import AHEAD
 
 from . import chart_results, results
 
@@ -33,6 +35,11 @@ DIES = "import os; os._exit(139)"
 
 def worker(code):
     return (sys.executable, "-c", code)
+
+
+def render_stills(parts, **options):
+    with drawing(parts, **options) as pictures:
+        return pictures()
 
 
 @pytest.fixture(scope="module")
@@ -204,12 +211,12 @@ def test_a_part_that_is_drawn_ahead_is_not_drawn_again(monkeypatch):
     draw_ahead(result.parts[0])
     before = len(made)
     assert before > 0
-    with drawing(replace(result, parts=result.parts[:1])) as pictures:
+    with drawing(result.parts[:1]) as pictures:
         found = pictures()
     assert len(made) == before
     assert found.reason == ""
     assert set(found.images[result.parts[0].name]) == {"whole", "peak"}
-    with drawing(replace(result, parts=result.parts[:1])) as pictures:
+    with drawing(result.parts[:1]) as pictures:
         assert pictures().images == found.images
     assert len(made) == 2 * before
     assert not any(folder.exists() for folder in _ahead)
@@ -238,7 +245,7 @@ def test_pictures_that_nobody_waits_for_cost_the_next_design_none():
     """Their folder vanishes while they are drawn; the process had died of it at the next ones."""
     parts = results.mixed().parts
     for _ in range(3):
-        with drawing(results.mixed()):
+        with drawing(results.mixed().parts):
             pass
     assert render_stills(parts).reason == ""
 

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from reports.live.colours import use_colours
 from reports.pictures_worker import still
-from reports.plain_still import plain_still
+from reports.plain_still import plain_still, use_colours
 
 SIZE = (300, 200)
 FRONT = np.array([0.0, -1.0, 0.0])

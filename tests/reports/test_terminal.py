@@ -6,8 +6,7 @@ from rich.cells import cell_len
 
 from checks.result.verdict import Gate
 from checks.result.words import clean, number, safety_text, utilisation_text, value_and_bars
-from reports import verdict_text
-from reports.terminal import wrap
+from reports.terminal import verdict_text, wrap
 
 from . import results
 

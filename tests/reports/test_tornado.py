@@ -11,9 +11,8 @@ from checks.design.effort import Effort
 from checks.result.derivation import BarSymbols, Derivation, Given, Section, Step
 from checks.result.verdict import Check, Status
 from checks.strength.load_doubts import with_doubts
-from reports import report_html
 from reports.gauge import shares
-from reports.page import sorted_assumptions
+from reports.page import report_html, sorted_assumptions
 
 from . import results
 

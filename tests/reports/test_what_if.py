@@ -18,7 +18,7 @@ from checks.design.effort import Effort
 from checks.ladder.chart_data import _beside
 from checks.result.verdict import Gate
 from checks.result.words import CONTACT, check_titles
-from reports import report_html, write_report
+from reports.page import report_html, write_report
 from reports.what_if import _CLEARANCES, what_if
 from tests.small_machine import PLATE, machine
 

@@ -13,9 +13,9 @@ from numpy.testing import assert_allclose
 from PIL import Image
 
 from checks.result.live_fields import LiveFields, LivePeak, grey
+from reports.pictures import run_worker
 from reports.window import NO_WINDOW, SIZE, open_window, probe_window, window_picture
 from reports.window_scene import View, Worst, read_scene, scene_of, signed_principal, write_scene
-from reports.worker import run_worker
 
 from . import motion_results, results
 

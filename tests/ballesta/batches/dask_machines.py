@@ -16,8 +16,8 @@ import os, signal, time
 from hashlib import sha256
 from pathlib import Path
 from ballesta.batches.job import run_plain
-from ballesta.batches.outcome import Job
-from ballesta.batches.outcome import WRONG_INPUT, ended
+from ballesta.batches.job import Job
+from ballesta.batches.job import WRONG_INPUT, ended
 
 def slowly(job):
     """A check that tells when it begins, and in which dask worker, and leaves time to kill that."""

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from ballesta.batches import run as batch_run
-from ballesta.batches.outcome import Job
+from ballesta.batches.job import Job
 from ballesta.batches.plan import Plan
 from ballesta.batches.pool import Finished, Limits, Pool
 from ballesta.batches.processes import MIB, Admission, answer
@@ -63,8 +63,8 @@ def forever(job):
 def outcome(job):
     """A whole outcome, as a check of a design would give it; slow where the file says so."""
     from hashlib import sha256
-    from ballesta.batches.outcome import Job
-    from ballesta.batches.outcome import ended, WRONG_INPUT
+    from ballesta.batches.job import Job
+    from ballesta.batches.job import ended, WRONG_INPUT
     file = Path(job["file"])
     text = file.read_text()
     with (file.parent / "log.txt").open("a") as log:

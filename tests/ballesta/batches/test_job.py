@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from ballesta.batches.job import FolderError, run_job
-from ballesta.batches.outcome import Job
+from ballesta.batches.job import FolderError, Job, run_job
 from checks.design.errors import DesignError, NumericsError
 from geometry.memory import TooLargeError
 

@@ -13,8 +13,7 @@ from pathlib import Path
 import pytest
 
 import ballesta.sweeps.neighbours as neighbours
-from ballesta.batches.job import run_job
-from ballesta.batches.outcome import Job
+from ballesta.batches.job import Job, run_job
 from ballesta.commands.batch_command import Wanted, outcomes_of
 from checks.design.errors import DesignError
 

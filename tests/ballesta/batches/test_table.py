@@ -4,7 +4,7 @@ import io
 import pyarrow.parquet as pq
 import pytest
 
-from ballesta.batches.outcome import Job, ended, judged
+from ballesta.batches.job import Job, ended, judged
 from ballesta.batches.results import csv_text, parquet_bytes, result_rows, varied_inputs
 
 from ...reports import results

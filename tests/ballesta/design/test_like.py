@@ -6,8 +6,8 @@ from pathlib import Path
 import jsonschema
 import pytest
 
+from ballesta.design.files import design_schema
 from ballesta.design.read import read_design
-from ballesta.design.schema import design_schema
 from checks.design.errors import DesignError, DesignErrors
 
 DESIGNS = Path(__file__).parents[3] / "designs"

@@ -8,10 +8,8 @@ from pathlib import Path
 import jsonschema
 import pytest
 
-from ballesta.design.files import new_design, templates
-from ballesta.design.overrides import parse_override
+from ballesta.design.files import design_schema, new_design, parse_override, templates
 from ballesta.design.read import read_design
-from ballesta.design.schema import design_schema
 from checks.design.errors import DesignError
 from checks.design.materials import known_materials
 from checks.design.units import KNOWN_UNITS, measure, measure_pair, pint_unit

@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from ballesta.design.read import read_design
-from ballesta.machine.buckling_modes import _of_part
+from ballesta.machine.motion import _of_part
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.ladder.part_fields import with_mode

@@ -10,8 +10,7 @@ from numpy.testing import assert_allclose
 
 from ballesta.cli import main
 from ballesta.commands.loads_command import loads_of_file
-from ballesta.machine.events import event_figures, with_events
-from ballesta.machine.solved_cycles import solve_cycles
+from ballesta.machine.solved_cycles import event_figures, solve_cycles, with_events
 from ballesta.machine.validity_checks import load_gates
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from ballesta.design.read import read_design
-from ballesta.machine.joint_play import play_pairs
-from ballesta.machine.runs import run_machine
+from ballesta.machine.runs import play_pairs, run_machine
 from checks.stress.solid_mesh_level import Models
 
 DESIGNS = Path(__file__).parents[3] / "designs"

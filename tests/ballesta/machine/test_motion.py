@@ -14,7 +14,7 @@ from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.result.motion import MOST_POSITIONS, motion_gaps
 from checks.store.records import from_record, to_record
-from reports.live.payload import _motion
+from reports.live.section import _motion
 
 from ...lighter import buckling_of_no_linkage, without_fatigue
 from ...reports.motion_results import placed

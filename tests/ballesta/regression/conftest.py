@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from ballesta.regression import plugin
-from ballesta.regression.baseline import CheckError, measure
-from ballesta.regression.file import write_record
+from ballesta.regression.file import CheckError, measure, write_record
 from ballesta.regression.worker import measured
 from checks.design.errors import DesignError
 

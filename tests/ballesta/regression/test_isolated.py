@@ -9,9 +9,15 @@ import pytest
 
 from ballesta.design.read import read_design
 from ballesta.pipeline import check_design
-from ballesta.regression import baseline
-from ballesta.regression.baseline import WORKER, CheckError, measure, write_baseline
-from ballesta.regression.file import baseline_path, read_baseline
+from ballesta.regression import file
+from ballesta.regression.file import (
+    WORKER,
+    CheckError,
+    baseline_path,
+    measure,
+    read_baseline,
+    write_baseline,
+)
 from checks.design.effort import Effort
 from checks.design.errors import DesignError
 
@@ -74,7 +80,7 @@ def test_the_isolated_process_runs_the_code_that_started_it(tmp_path):
 )
 def test_a_process_that_dies_is_told_with_its_last_words(code, answer, said):
     with pytest.raises(CheckError) as error:
-        baseline._record(code, answer, "reading\nmeshing\n")
+        file._record(code, answer, "reading\nmeshing\n")
     assert str(error.value).startswith(said)
     assert error.value.exit_code is None
 

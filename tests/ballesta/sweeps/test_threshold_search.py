@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from ballesta.commands.until_command import Wanted, run_until
+from ballesta.commands.batch_command import Search, run_until
 from ballesta.sweeps.threshold_search import search_passing, until_pass, until_text
 from checks.design.effort import Effort
 from checks.design.errors import DesignError, NumericsError
@@ -333,7 +333,7 @@ def test_the_design_is_really_checked_without_a_check_of_one_s_own(file):
 
 def command(file, out, *sweeps, **options):
     given = {"fidelity": "formula", "overrides": ("duty.cycles.turn=1",), **options}
-    return run_until([file], sweeps, Wanted(out, **given))
+    return run_until([file], sweeps, Search(out, **given))
 
 
 THICK = "parts.rod.thickness = 1, 4, 8, 16 mm"
@@ -431,7 +431,7 @@ def test_a_search_that_is_not_understood_is_exit_code_2(
 def test_a_bad_design_costs_itself_alone(file, tmp_path, capsys):
     bad = tmp_path / "bad.toml"
     bad.write_text("not toml", encoding="utf-8")
-    wanted = Wanted(tmp_path / "out", fidelity="formula", overrides=("duty.cycles.turn=1",))
+    wanted = Search(tmp_path / "out", fidelity="formula", overrides=("duty.cycles.turn=1",))
     assert run_until([bad, file], [THICK], wanted) == 2
     captured = capsys.readouterr()
     (written,) = (tmp_path / "out").glob("*/until.json")

@@ -17,8 +17,7 @@ from checks.result.derivation import Given, Step, Superposition
 from checks.result.formulas import evaluate
 from checks.result.verdict import Check
 from checks.store.records import from_record, to_record
-from reports.derivation_text import derivation_text
-from reports.derivation_words import bar_texts, shares_of, status_texts
+from reports.derivation_text import bar_texts, derivation_text, shares_of, status_texts
 from reports.files import plain
 
 from ...misses import misses

@@ -9,8 +9,8 @@ from pathlib import Path
 import jsonschema
 import pytest
 
+from ballesta.design.files import design_schema
 from ballesta.design.read import read_design
-from ballesta.design.schema import design_schema
 from checks.design.errors import DesignError, DesignErrors
 from checks.design.strength import ROUGHNESS, FkmStrength
 from fatigue import FKM_GROUPS, FkmMaterial

@@ -13,7 +13,7 @@ from checks.ladder.part_fields import undrawn_warnings
 from checks.result.live_fields import von_mises
 from checks.strength.part_strength import endurance_of
 from geometry.parts import PlateLink
-from reports.live.payload import with_encoded_fields
+from reports.live.section import with_encoded_fields
 from reports.page_parts import _captions
 
 from ...small_machine import MACHINE, PLATE, machine

@@ -10,7 +10,7 @@ from checks.ladder.part_facts import assumed_of, facts_of
 from checks.part.loaded_part import LoadedPart
 from checks.strength.part_strength import elastic_of, endurance_of
 from checks.stress.solid_mesh_level import Models, solve_level
-from geometry.symmetry import Half
+from geometry.shape import Half
 
 from ...small_machine import PLATE, loads_of, machine
 

@@ -17,10 +17,9 @@ from checks.models.shapes.plate import _Arch, stress
 from checks.part.part_loads import PartLoads
 from fem.recovery import von_mises
 from geometry.closed_form import closed_body
-from geometry.lever_outline import Eye, lever_outline
 from geometry.outlines import Contour, PlateOutline
 from geometry.parts import PlateLink
-from geometry.parts.plate import Plate, PlateBore
+from geometry.parts.plate import Eye, Plate, PlateBore, lever_outline
 
 STEEL = known_materials()["S355"].of(())
 

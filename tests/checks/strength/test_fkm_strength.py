@@ -17,7 +17,7 @@ from checks.stress.solid_mesh_level import Models, solve_level
 from fatigue import FkmMaterial
 from fem.gradient import SurfaceSlopes
 from fem.unit_solutions import Elastic, determinate_hold
-from geometry.symmetry import Half
+from geometry.shape import Half
 
 from ...boundary_value import SolidProblem, traction_load
 from ...fem.blocks import block

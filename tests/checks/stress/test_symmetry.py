@@ -16,7 +16,7 @@ from checks.part.part_loads import loads_on
 from checks.stress.solid_mesh_level import Models
 from checks.stress.symmetry import DISPLACEMENT, STRESS, half_of
 from fem.recovery import tensor, von_mises
-from geometry.symmetry import Half
+from geometry.shape import Half
 
 from ...small_machine import PLATE, machine
 

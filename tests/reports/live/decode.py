@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from checks.result.live_fields import FATIGUE
 from geometry.mesh import FloatArray, IntArray
-from reports.live.packing import GZIP, Neighbours, neighbours
+from reports.live.encode import GZIP, Neighbours, neighbours
 
 _Whole = npt.NDArray[np.int64]
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from checks.result.live_fields import von_mises
-from reports.live.payload import live_payload
+from reports.live.section import live_payload
 
 from . import sections
 from .conftest import role, settle

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from checks.result.live_fields import von_mises
-from reports.live.colours import colour_maps, use_colours
-from reports.live.payload import live_payload
+from reports.live.section import live_payload
+from reports.plain_still import colour_maps, use_colours
 
 from . import sections
 from .conftest import pixels, role, settle

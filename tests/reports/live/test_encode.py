@@ -8,8 +8,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from checks.result.live_fields import LiveFields, grey, von_mises
-from reports.live.encode import TOLERANCE, encode
-from reports.live.packing import Writer
+from reports.live.encode import TOLERANCE, Writer, encode
 
 from .decode import decode, read_planes
 from .surfaces import live, peak_of, principal_range, smooth, torus, turning, usual

@@ -7,15 +7,19 @@ from numpy.testing import assert_allclose
 from checks.result import live_fields
 from checks.result.live_fields import largest_principal, von_mises
 from reports.live.encode import encode
-from reports.live.extremes import (
+from reports.live.fitting import (
+    FLOOR,
     LENGTH_METRIC,
+    NOTHING,
     STRESS_METRIC,
+    fewest,
     largest_anywhere,
     largest_principal_stress,
     largest_sizes,
     lost_in_single,
+    sizes_with_floor,
+    thinned,
 )
-from reports.live.fitting import FLOOR, NOTHING, fewest, sizes_with_floor, thinned
 
 from .surfaces import live, principal_range, smooth, torus, turning
 

@@ -9,7 +9,7 @@ import pytest
 
 from checks.result.live_fields import EncodedPart, grey
 from checks.result.verdict import Surface
-from reports.live.payload import (
+from reports.live.section import (
     Budget,
     has_fields,
     live_payload,

@@ -14,17 +14,18 @@ from markupsafe import Markup
 from matplotlib import colormaps
 
 from checks.result.verdict import Status
-from reports.live.colours import colour_maps
-from reports.live.payload import live_payload, motion_text
 from reports.live.section import (
     FIELDS,
     MAPS,
     cycles_data,
     first_part,
+    live_payload,
     live_section,
+    motion_text,
     peak_tables,
     rows_of,
 )
+from reports.plain_still import colour_maps
 from reports.templating import LIVE, series
 
 from .. import results
