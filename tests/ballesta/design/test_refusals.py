@@ -29,6 +29,7 @@ def read(tmp_path, *changes, overrides=()):
 
 UPPER = 'body = "upper"\nshape'
 FITS = 'fits = { knee = "H7/f7", end = "H7/f7" }'
+EDGES = 'bore_edges = { knee = "run_in" }'
 REFUSED = {
     "unknown key": (('width = "80 mm"', 'widht = "80 mm"'), r"parts\.bar_upper\.widht: unknown key, did you mean width\?"),
     "missing unit": (('wall = "6.3 mm"', "wall = 6.3"), r'press\.toml: parts\.bar_upper\.wall: must be a length such as "6\.3 mm", got 6\.3 without a unit'),
@@ -75,8 +76,8 @@ REFUSED = {
     "assumed key": (('"duty.cycles.press" =', '"duty.cycle.press" ='), r"assumed\.duty\.cycle\.press: the design has no such key, did you mean duty\.cycles\.press\?"),
     "Poisson": (('[points] ', '[materials.odd]\nyoungs_modulus = "1 GPa"\npoisson_ratio = 0.5\ndensity = "1 t/m3"\nyield_stress = "1 MPa"\nultimate_stress = "2 MPa"\n[points] '), r"materials\.odd\.poisson_ratio: must be above -1 and below 0\.5, got 0\.5"),
     "fit of no bore": ((FITS, 'fits = { kne = "H7/f7" }'), r"bar_upper\.fits\.kne: no bore of the part is named 'kne', did you mean knee\?"),
-    "edges of no bore": ((FITS, 'bore_edges = { kne = "run_in" }'), r"bar_upper\.bore_edges\.kne: no bore of the part is named 'kne', did you mean knee\?"),
-    "edges unknown": ((FITS, 'bore_edges = { knee = "runin" }'), r"bar_upper\.bore_edges\.knee: must be 'run_in', got \"runin\", did you mean run_in\?"),
+    "edges of no bore": ((EDGES, 'bore_edges = { kne = "run_in" }'), r"bar_upper\.bore_edges\.kne: no bore of the part is named 'kne', did you mean knee\?"),
+    "edges unknown": ((EDGES, 'bore_edges = { knee = "runin" }'), r"bar_upper\.bore_edges\.knee: must be 'run_in', got \"runin\", did you mean run_in\?"),
     "fit unknown": ((FITS, 'fits = { knee = "H7/p6" }'), r"bar_upper\.fits\.knee: fits with clearance are known for bores D to H and pins d to h, not p"),
     "clearance below 0": ((FITS, 'fits = { knee = "-0.01 .. 0.02 mm" }'), r"bar_upper\.fits\.knee: must be a clearance of at least 0 mm"),
     "survival of all": ((FITS, 'reliability = "99.99999 %"'), r"bar_upper\.reliability: must be at most 99\.9999 %, got"),
