@@ -241,7 +241,8 @@ def _verdict(
     """
     if basis.size > _SMALL:
         return ductile_verdict(basis, path, limits, ultimate, every_point=False, cycle=cycle)
-    numbers = tuple(np.ascontiguousarray(each).tobytes() for each in (basis, path, limits))
+    arrays = (np.ascontiguousarray(each, dtype=np.float64) for each in (basis, path, limits))
+    numbers = tuple(each.tobytes() for each in arrays)
     return _kept_verdict(*numbers, len(basis), len(path), ultimate, cycle)
 
 
