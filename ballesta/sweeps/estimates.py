@@ -273,15 +273,13 @@ def standard(value: float, unit: str, *, up: bool) -> float:
 
 
 def within(value: float, old: float, most: float, unit: str, *, up: bool) -> float:
-    """The standard size on one side of a value, but no more than so many times from the old one.
+    """The standard size on one side of a value, but none beyond the first so many times the old.
 
-    >>> within(12.6, 6.3, 2.0, "mm", up=True)
-    12.5
+    >>> within(15.0, 6.3, 2.0, "mm", up=True), within(1.0, 6.3, 2.0, "mm", up=True)
+    (14.0, 3.15)
     """
-    size = standard(value, unit, up=up)
-    if size > old * most * (1 + 1e-9):
-        return standard(old * most, unit, up=False)
-    return standard(old / most, unit, up=True) if size < old / most * (1 - 1e-9) else size
+    least, largest = standard(old / most, unit, up=False), standard(old * most, unit, up=True)
+    return min(max(standard(value, unit, up=up), least), largest)
 
 
 def written(value: float, unit: str) -> str:

@@ -73,7 +73,8 @@ def hammer(*overrides: str):
 @pytest.mark.slow
 def test_changes_of_the_hammers_leaves_hold_with_the_friction_that_they_then_have():
     """Of leaves 12.6 mm thick friction's share of fatigue is 2 % more than of those of 9.6 mm: with
-    the share kept they had passed with 1.305 of 1.3, and a check has 1.297: UNDECIDED.
+    the share kept they had passed with 1.305 of 1.3, and a check has 1.297: UNDECIDED. So 12.5 mm
+    is no way out, and 14 mm, where the formula has no bars, is none either.
 
     Of its cycles the duty's and the fastest: others decide nothing of the leaves.
     """
@@ -81,7 +82,7 @@ def test_changes_of_the_hammers_leaves_hold_with_the_friction_that_they_then_hav
     design = hammer()
     checked = check_with_cycles(design, effort=formula)
     changes = with_changes(design, checked.result, checked.cycles, checked.rubbing).changes
-    assert len(changes) >= 2
+    assert [change.key for change in changes] == ["parts.leaves.width"]
     for change in changes:
         after = check_design(hammer(change.override), effort=formula)
         (leaves,) = (part for part in after.parts if part.name == "leaves")
