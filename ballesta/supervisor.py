@@ -276,6 +276,8 @@ def terminated_as_interrupted() -> Iterator[None]:
 
 
 # Standard output and standard error of the program.
+
+
 def claim_standard_output() -> None:
     """Leave standard output to this program: what libraries print there goes to standard error.
 

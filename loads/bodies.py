@@ -79,6 +79,8 @@ class Body:
 
 
 # Joints between bodies, coordinates that measure bodies, forces and friction.
+
+
 def _check_direction(owner: str, direction: Vector) -> None:
     if len(direction) != 2 or not 0.0 < hypot(*direction) < float("inf"):
         raise LinkageError(f"{owner}: the direction must be a vector, got {direction}")
@@ -325,6 +327,8 @@ class Friction:
 
 
 # Compliance of a linkage: bodies and joints with small elastic deflections, as numbers.
+
+
 @dataclass(frozen=True)
 class BeamCompliance:
     """A body that bends and shortens along its own x axis, which its loaded points lie on.

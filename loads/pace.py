@@ -346,6 +346,8 @@ def _check(name: str, value: float) -> None:
 
 
 # A cycle as it is stated: a coordinate swept phase after phase, each under forces of its own.
+
+
 @dataclass(frozen=True)
 class Phase:
     """A part of the cycle: up to which value, under which forces, solving for which one.

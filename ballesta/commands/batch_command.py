@@ -271,6 +271,8 @@ def live() -> Iterator[Lines]:
 # `ballesta batch --sweep ... --until pass`: searches of designs, one after the other.
 # Whatever is checked is kept in the store of the output folder, so that a search that was killed
 # goes on where it was, and a wider one begins with what is known.
+
+
 @dataclass(frozen=True)
 class Search:
     """The options of a search, as they were written.

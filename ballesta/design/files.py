@@ -191,6 +191,8 @@ def _resolve(
 
 
 # The files themselves.
+
+
 @dataclass
 class Sources:
     """Every file that was read for a design, and which of them states what.
@@ -434,6 +436,8 @@ def new_design(template: str) -> str:
 
 
 # The JSON schema of design files, for editors that complete and check them while typing.
+
+
 def design_schema() -> dict[str, Any]:
     """Return the JSON schema (draft 2020-12) of a design file as it is written, units in text."""
     schema = DesignFile.model_json_schema()
