@@ -7,11 +7,14 @@ Writes bench/fuzz.json after every few hundred: how many ended how, and every fi
 that leads to it. A run that was stopped, or whose time was up, goes on from there when it is called
 again with the same seed and the same code. One in a hundred climbs as far as it needs (auto), one
 in ten writes its page, the others are formulas. `--replay` runs the recorded findings again: those
-that end well now move to `mended`, with how.
+that end well now move to `mended`, with how. Its limit is processor time, as a machine that is busy
+with other work makes every mutant slow: one that computes for longer is a finding, and one that
+hangs is ended after ten times as much.
 """
 
 import argparse
 import json
+import os
 import random
 import re
 import sys
@@ -24,12 +27,14 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
+from ballesta.batches.job import OUT_OF_TIME
 from ballesta.batches.pool import Limits, Pool
 from ballesta.batches.processes import Admission
 from checks.store.fingerprints import code_digest
 
 ROOT = Path(__file__).parent.parent
-SECONDS, MEMORY = 120.0, 4 * 2**30  # that a mutant may take
+SECONDS, MEMORY = 120.0, 4 * 2**30  # processor time and bytes that a mutant may take
+_HANGS = 10.0  # times as long by the clock: nothing that computes is starved so much
 _CHUNK = 200  # mutants between two records
 _DESIGNS = ("toggle_press", "slider_crank", "quick_return", "spring_hammer", "toggle_press_30x30",
             "toggle_press_friction")  # fmt: skip
@@ -141,7 +146,7 @@ def run_one(job: Mapping[str, Any]) -> dict[str, Any]:
     from reports.pictures import Pictures
     from reports.terminal import verdict_text
 
-    file = Path(job["file"])
+    file, before = Path(job["file"]), _processor_time()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
@@ -155,7 +160,16 @@ def run_one(job: Mapping[str, Any]) -> dict[str, Any]:
             code = 2 if len(str(error)) < 300_000 else -1
         except NumericsError:
             code = 3
-    return {"code": code, "warned": sorted({str(one.message)[:200] for one in caught})}
+    return {
+        "code": code,
+        "warned": sorted({str(one.message)[:200] for one in caught}),
+        "seconds": _processor_time() - before,
+    }
+
+
+def _processor_time() -> float:
+    """Processor time of this process and of those it has started and ended, in s."""
+    return sum(os.times()[:4])
 
 
 @dataclass
@@ -174,15 +188,18 @@ def fuzz(numbers: Sequence[int], seed: int, workers: int) -> Found:
         place = Path(folder)
         jobs = dict(_jobs(numbers, seed, place))
         admission = Admission(workers * MEMORY, MEMORY)
-        limits = Limits(SECONDS, MEMORY, MEMORY)
+        limits = Limits(_HANGS * SECONDS, MEMORY, MEMORY)
         with Pool("bench.fuzz:run_one", workers, limits, admission, place / "work", ROOT) as pool:
             for ended in pool.results(list(jobs.items())):
                 for one in ended:
                     outcome = one.outcome or {}
+                    late = outcome.get("seconds", 0.0) > SECONDS
                     told = f"exit code {outcome['code']}" if outcome else one.status
+                    told = OUT_OF_TIME if late else told
                     found.counts[told] += 1
                     found.ended[one.index] = told
-                    if outcome.get("code") in (0, 1, 2, 3) and not outcome["warned"]:
+                    well = outcome.get("code") in (0, 1, 2, 3) and not outcome["warned"]
+                    if well and not late:
                         continue
                     name, text = mutant(seed, one.index)
                     found.findings.append({

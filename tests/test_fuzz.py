@@ -67,3 +67,13 @@ def test_a_finding_that_ends_well_now_is_recorded_as_mended(monkeypatch):
     assert record["ran"] == 7309
     with pytest.raises(ValueError, match="mutant 101 of seed 3 is another one now"):
         replayed({"seed": 3, "findings": [{**old[0], "changed": ["width = 1"]}]}, 1)
+
+
+@pytest.mark.parametrize(("limit", "told"), [(1e-9, "out of time"), (120.0, "exit code 2")])
+def test_the_limit_of_a_mutant_is_processor_time(monkeypatch, limit, told):
+    """Of a mutant that ends well, and within any time by the clock."""
+    monkeypatch.setattr(bench.fuzz, "SECONDS", limit)
+    monkeypatch.setattr(bench.fuzz, "_HANGS", 1e4 / limit)
+    found = fuzz([1], seed=1, workers=1)
+    assert found.counts == {told: 1}
+    assert [one["ended"] for one in found.findings] == [told] * (told == "out of time")
