@@ -20,6 +20,7 @@ from checks.result.ways import (
     change_text,
     improve_command,
     lower_by,
+    run_in_edges,
 )
 from checks.result.words import (
     assumptions,
@@ -184,6 +185,8 @@ def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
         yield Fact("why open", open_reason(check))
     if check.status is Status.FAIL:
         yield Fact("why", "the limit is exceeded even at the lower end of the error bars")
+    for edges in run_in_edges(result):
+        yield Fact("rests on", _short(edges))
     yield from _changes(result)
     yield from _ways(result)
     broken = broken_of(result)

@@ -14,7 +14,7 @@ from checks.ladder.chart_data import charts_of
 from checks.ladder.climb import Climb, answered
 from checks.ladder.leaf_checks import friction_facts, friction_gates, leaf_band, with_leaf_checks
 from checks.ladder.levels import Asked, Say, first_of
-from checks.ladder.part_facts import SMALL_DISPLACEMENT, edges_words, facts_of
+from checks.ladder.part_facts import SMALL_DISPLACEMENT, by_run_in_edges, edges_words, facts_of
 from checks.ladder.part_fields import as_it_buckles
 from checks.ladder.passing_fits import edges_that_pass
 from checks.ladder.section_fields import section_fields
@@ -65,6 +65,7 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
     facts |= edges_that_pass(loaded, answered(climb), climb.with_edges)
     uses = {STATIC: None, FATIGUE: climb.use}
     bent = {kind: evened_in(loaded, level, uses[kind]) for kind in climb.best if kind in uses}
+    facts |= by_run_in_edges(loaded, answered(climb), bent)
     assumed = [f"{FORMULA}: {level.model.neglects}", *edges_words(loaded, bent)]
     skin = models.skin(part.geometry)
     return PartResult(

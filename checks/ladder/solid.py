@@ -28,6 +28,7 @@ from checks.ladder.levels import (
 )
 from checks.ladder.part_facts import (
     assumed_of,
+    by_run_in_edges,
     contact_facts,
     edges_words,
     facts_of,
@@ -125,6 +126,7 @@ def check_solid(
     assumed = assumed_of(loaded, finest)
     evened = {_kind(what): bars.evened for what, bars in solved.bars.items()}
     assumed += edges_words(loaded, evened)
+    arcs |= by_run_in_edges(loaded, stressed, evened)
     if finest.half:
         assumed.append(MEANING)
     if buckled.untold:

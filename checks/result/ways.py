@@ -34,6 +34,7 @@ NOTHING = "nothing here settles it"  # begins the text of a way that is none
 SAVED = "least mass by single changes"
 LEAST = "least single changes"  # of a dimension or a material
 STEEL_BUSH = "b_s"  # symbol of the model band above with bushes of steel
+_BY_RUN_IN = ": passes by run-in edges, upper end of its bars as cut [MPa], of "
 _FINEST = 0.003  # of a value: a smaller numerical bar is not asked of a mesh
 _MOST_UNKNOWNS = 300_000  # that a design allows where it states nothing
 _TOO_MANY = 3_000_000
@@ -57,6 +58,34 @@ def edges_fact(kind: str, bores: Sequence[str], *, steel: bool = False) -> str:
     """
     bushes = " and bushes as stiff as steel" if steel else ""
     return f"{kind}: passes with run-in edges{bushes}, least safety, of {', '.join(bores)}"
+
+
+def run_in_fact(kind: str, bores: Sequence[str]) -> str:
+    """Name of the fact: upper end of a check's bars, did the edges of bores press as they are cut.
+
+    It is there where the check passes and would not with it.
+    """
+    return f"{kind}{_BY_RUN_IN}{', '.join(bores)}"
+
+
+def run_in_edges(result: DesignResult) -> list[str]:
+    """Edges stated to have run in that checks pass by, and how far they came without, in words."""
+    parts: dict[tuple[str, str], list[tuple[str, float, float]]] = {}
+    for part in result.parts:
+        allowed = {check.kind: check.limit / check.required for check in part.checks}
+        for name, upper in part.facts.items():
+            kind, by, bores = name.partition(_BY_RUN_IN)
+            if by:
+                one = (part.name, float(upper), allowed[kind])
+                parts.setdefault((kind, bores), []).append(one)
+    said = []
+    for (kind, bores), alike in parts.items():
+        _, upper, limit = max(alike, key=lambda one: one[1] / one[2])
+        said.append(
+            f"edges of {bores} that have run in ({', '.join(name for name, *_ in alike)}): as cut, "
+            f"{kind} would not pass, up to {number(upper)} of {number(limit)} MPa allowed"
+        )
+    return said
 
 
 def ways_out(result: DesignResult) -> list[Way]:

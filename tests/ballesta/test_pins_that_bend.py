@@ -25,7 +25,7 @@ from checks.part import pressed_along
 from checks.part.loaded_part import LoadedPart
 from checks.part.pressed_along import that_count
 from checks.result.verdict import Status
-from checks.result.ways import edges_fact
+from checks.result.ways import edges_fact, run_in_fact
 from checks.strength.part_strength import fatigue_use
 from checks.stress.beyond_even import beyond_even
 from checks.stress.error_bars import banded, bars_of
@@ -361,6 +361,27 @@ def test_a_check_that_bent_pins_leave_open_names_the_edges_that_settle_it(tmp_pa
         assert (fact in facts) is named
         if named:
             assert_allclose(facts[fact], even.limit / even.upper, rtol=1e-9)
+
+
+def test_a_check_that_passes_by_run_in_edges_alone_says_what_it_rests_on(tmp_path):
+    """Up to where it came with edges as cut; nothing where these pass, too, or neither does."""
+    loaded = rod(tmp_path, fits="")
+    cut, even = start_climb(loaded), start_climb(run_in(loaded, first="run_in"))
+    assert cut.by_formula()
+    assert even.by_formula()
+    cut, even = (climb.best["fatigue"].check for climb in (cut, even))
+    fact = run_in_fact("fatigue", ["first"])
+    for need, rests in ((even.limit / even.upper, True), (0.99 * cut.limit / cut.upper, False),
+                        (1.001 * even.limit / even.upper, False)):  # fmt: skip
+        require = loaded.design.require.model_copy(update={"fatigue": need * (1 - 1e-9)})
+        one = replace(loaded, design=replace(loaded.design, require=require))
+        climb = start_climb(run_in(one, first="run_in"))
+        assert climb.by_formula()
+        facts = cheap_result(climb, Models()).facts
+        assert (fact in facts) is rests
+        if rests:
+            assert_allclose(facts[fact], cut.upper, rtol=1e-3)
+            assert facts[fact] > even.limit / need
 
 
 def test_a_solid_names_the_edges_with_which_it_passes_and_then_does(bent):

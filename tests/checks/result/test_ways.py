@@ -10,7 +10,14 @@ from checks.design.effort import Effort
 from checks.models import bands
 from checks.result.derivation import Derivation, Given, Section
 from checks.result.verdict import Gate, RungTried, Status
-from checks.result.ways import arc_fact, clearance_fact, edges_fact, ways_out
+from checks.result.ways import (
+    arc_fact,
+    clearance_fact,
+    edges_fact,
+    run_in_edges,
+    run_in_fact,
+    ways_out,
+)
 
 from ...reports.results import check, design, part
 from ...small_machine import PLATE, machine
@@ -164,6 +171,23 @@ def test_edges_that_would_settle_it_are_keys_of_their_bores_with_the_safety_they
     assert "as stiff as steel" in way.text
     assert (way.command, way.seconds) == ("", None)
     assert only(design(part(checks=[both[1]], facts=facts))).text.startswith("nothing here")
+
+
+def test_edges_that_a_pass_rests_on_are_told_once_for_parts_alike():
+    """With the check that came the farthest above what is allowed; nothing without such edges."""
+    passing = replace(BY_MODEL, kind="fatigue", limit=154.0, required=1.3)
+    far = {"mass [kg]": 4.1, run_in_fact("fatigue", ["knee"]): 124.2}
+    near = {**far, run_in_fact("fatigue", ["knee"]): 122.0}
+    both = [
+        part(checks=[passing], facts=near),
+        replace(part(checks=[passing], facts=far), name="bar_lower"),
+    ]
+    (said,) = run_in_edges(design(*both))
+    assert said == (
+        "edges of knee that have run in (bar_upper, bar_lower): as cut, fatigue would not pass, "
+        "up to 124 of 118 MPa allowed"
+    )
+    assert run_in_edges(design(part(checks=[passing]))) == []
 
 
 def test_a_broken_gate_has_its_key_or_says_what_to_do():
