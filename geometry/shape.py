@@ -81,13 +81,11 @@ def faces_where(gmsh: Any, test: Callable[[Any, str], bool]) -> list[int]:
 class Ligament:
     """Material behind a hole: mm2 in one shear plane, and the name of its other side.
 
-    direction  unit vector in the part's axes in which a force on the part tears it; None: any,
-               and `area` is then given for 72 directions from +x on, counter-clockwise; infinite
-               where nothing tears
+    direction  unit vector in the part's axes in which a force on the part tears it
     """
 
-    direction: tuple[float, float] | None
-    area: tuple[float, ...]
+    direction: tuple[float, float]
+    area: float
     until: str
 
 

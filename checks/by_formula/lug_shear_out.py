@@ -7,6 +7,7 @@ Engineering 24 (1953) no. 6, start theirs at 40 degrees, where it is longer).
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -33,7 +34,6 @@ SHEAR_OUT = Kind(
 )
 KINDS = (SHEAR_OUT,)
 
-_DIRECTIONS = 72
 _FITS = "docs/theory/fits.md"
 
 
@@ -52,7 +52,7 @@ def checks(loaded: LoadedPart) -> Iterator[Check]:
         yield found[most]
 
 
-def _torn(loaded: LoadedPart, bore: str, ligament: Ligament) -> Check:
+def _torn(loaded: LoadedPart, bore: str, ligament: "Ligament | AllRound") -> Check:
     pull, area = _pull(loaded.loads.wrenches[bore], ligament)
     return loaded.worst(
         Heading(
@@ -75,24 +75,25 @@ def _torn(loaded: LoadedPart, bore: str, ligament: Ligament) -> Check:
     )  # fmt: skip
 
 
-def _pull(wrench: FloatArray, ligament: Ligament) -> tuple[FloatArray, FloatArray]:
+def _pull(wrench: FloatArray, ligament: "Ligament | AllRound") -> tuple[FloatArray, FloatArray]:
     """Force (n,) that tears a ligament, N, and the area (n,) of one plane, mm2."""
-    if ligament.direction is not None:
-        pull = np.maximum(wrench[:, :2] @ np.array(ligament.direction), 0.0)
-        return pull, np.full(len(pull), ligament.area[0])
-    angle = np.arctan2(wrench[:, 1], wrench[:, 0])
-    sector = np.round(angle / (2 * np.pi) * _DIRECTIONS).astype(int) % _DIRECTIONS
-    return np.hypot(wrench[:, 0], wrench[:, 1]), np.array(ligament.area)[sector]
+    force = wrench[:, :2]
+    if isinstance(ligament, AllRound):
+        return np.hypot(*force.T), ligament.areas(np.arctan2(force[:, 1], force[:, 0]))
+    pull = np.maximum(force @ np.array(ligament.direction), 0.0)
+    return pull, np.full(len(pull), ligament.area)
 
 
-def ligaments(part: Part, body: Mesh | SolidBody, interface: str) -> Sequence[Ligament]:
+def ligaments(
+    part: Part, body: Mesh | SolidBody, interface: str
+) -> "Sequence[Ligament] | Sequence[AllRound]":
     """Ligaments that a pin can tear out of a hole: towards the part's end, or into a slot beside.
 
-    Of a part from CAD the ligament is looked for in all directions.
+    Of a plate and of a part from CAD the ligament is measured in the direction of each force.
     """
     plate, known = as_plate(part.geometry), part.geometry.ligaments(interface)
     if plate is not None:
-        return [_of_plate(plate, interface)]
+        return [plate_ligament(plate, interface)]
     if known is not None:
         return known
     if not isinstance(body, Mesh):
@@ -100,25 +101,12 @@ def ligaments(part: Part, body: Mesh | SolidBody, interface: str) -> Sequence[Li
     return [ligament_all_round(body, interface)]
 
 
-def _of_plate(plate: Plate, name: str) -> Ligament:
-    """The ligament of a plate's hole in every direction, by its outline."""
-    angles = 2 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
-    areas = plate.thickness * plate_tear_lengths(plate, name, angles.tolist())
-    return Ligament(None, tuple(areas.tolist()), "the wall that the force points at")
-
-
-def ligament_all_round(mesh: Mesh, name: str) -> Ligament:
-    """The ligament of a hole in every direction, as the shear planes are on the mesh."""
-    angles = 2 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
-    areas = mesh.interfaces[name].length * tear_lengths(mesh, name, angles.tolist())
-    return Ligament(None, tuple(areas.tolist()), "the wall that the force points at")
-
-
-# Shear planes behind a hole, measured on a mesh: of parts whose ends are not known as numbers.
+# Shear planes behind a hole of parts whose ends are not known as numbers.
 
 FAR = 3.0  # hole diameters of material behind which nothing tears (docs/theory/fits.md)
 _SECTOR = np.radians(np.linspace(-40.0, 40.0, 9))  # where on the hole's edge a plane may begin
 _LEVELS = 9  # sections over the length of the hole
+_AT_ONCE = 32  # directions
 _PIECES = 8  # flat ones along a side of a curved facet: 1/64 of the error of its chord
 
 
@@ -136,44 +124,69 @@ class _Outline:
     outward: FloatArray
     pinned: npt.NDArray[np.bool_]
 
-    def shortest(self, radius: float, angle: float) -> float:
-        """Shortest way through material, mm, of the rays behind the hole; infinite: it is held."""
-        along = np.array([np.cos(angle), np.sin(angle)])
-        across = np.array([-along[1], along[0]])
+    def shortest(self, radius: float, angles: FloatArray) -> FloatArray:
+        """Shortest way (k,) through material, mm, of the rays behind the hole at angles (k,), rad.
+
+        Infinite where it is held.
+        """
+        along = np.stack([np.cos(angles), np.sin(angles)])
+        across = np.stack([-along[1], along[0]])
         side = radius * np.sin(_SECTOR)[:, None]
-        a, b = self.starts @ across, self.ends @ across
+        a, b = ((points @ across).T[:, None] for points in (self.starts, self.ends))
         met = (a > side) != (b > side)
         share = (side - a) / np.where(a == b, 1.0, b - a)
-        ways = self.starts @ along + share * ((self.ends - self.starts) @ along)
-        ways = ways - radius * np.cos(_SECTOR)[:, None]
+        from_, step = ((x @ along).T[:, None] for x in (self.starts, self.ends - self.starts))
+        ways = from_ + share * step - radius * np.cos(_SECTOR)[:, None]
         met &= ways > 0
-        leaves = self.outward @ along > 0
+        leaves = (self.outward @ along).T[:, None] > 0
         out = np.where(met & leaves, ways, np.inf)
-        first = out.min(axis=1)
-        into = np.where(met & ~leaves & (ways < first[:, None]), ways, 0.0).max(axis=1)
-        held = self.pinned[out.argmin(axis=1)]
-        return float(np.where(held, np.inf, first - into).min())
+        first = out.min(axis=2)
+        into = np.where(met & ~leaves & (ways < first[..., None]), ways, 0.0).max(axis=2)
+        held = self.pinned[out.argmin(axis=2)]
+        return np.asarray(np.where(held, np.inf, first - into).min(axis=1))
 
 
-def tear_lengths(mesh: Mesh, name: str, angles: Sequence[float]) -> FloatArray:
-    """Length (n,), mm, of the shortest shear plane behind a bore for forces at some angles, rad.
+@dataclass(frozen=True, eq=False)
+class AllRound:
+    """Material behind a hole, in whatever direction a force on the part points.
 
-    A plane begins at the hole's edge, at most 40 degrees from the force's direction, runs parallel
-    to it and ends where it first leaves the material. It is infinite where nothing tears: behind
-    FAR diameters of material, and towards another bore, whose pin is in the way. Of sections over
-    the length of the bore the worst counts.
+    outlines  sections over the length of the hole, of which the worst counts
+    radius    of the hole, mm
+    height    that it tears along, mm
     """
-    radius = mesh.interfaces[name].radius
+
+    outlines: Sequence[_Outline]
+    radius: float
+    height: float
+    until: ClassVar[str] = "the wall that the force points at"
+
+    def areas(self, angles: FloatArray) -> FloatArray:
+        """Area (n,), mm2, of the shortest shear plane for forces at angles (n,), rad.
+
+        A plane begins at the hole's edge, at most 40 degrees from the force's direction, runs
+        parallel to it and ends where it first leaves the material. It is infinite where nothing
+        tears: behind FAR diameters of material, and towards another bore, whose pin is in the way.
+        """
+        lengths = np.full(len(angles), np.inf)
+        for first in range(0, len(angles), _AT_ONCE):
+            some = slice(first, first + _AT_ONCE)
+            for outline in self.outlines:
+                lengths[some] = np.minimum(
+                    lengths[some], outline.shortest(self.radius, angles[some])
+                )
+        lengths[lengths > FAR * 2 * self.radius] = np.inf
+        return self.height * lengths
+
+
+def ligament_all_round(mesh: Mesh, name: str) -> AllRound:
+    """The ligament behind a bore, as the shear planes are on the mesh."""
     outlines = [_outline(mesh, name, level) for level in _levels(mesh, name)]
-    lengths = np.array(
-        [min(cut.shortest(radius, angle) for cut in outlines) for angle in angles], dtype=np.float64
-    )
-    lengths[lengths > FAR * 2 * radius] = np.inf
-    return lengths
+    interface = mesh.interfaces[name]
+    return AllRound(outlines, interface.radius, interface.length)
 
 
-def plate_tear_lengths(plate: Plate, name: str, angles: Sequence[float]) -> FloatArray:
-    """The same of a plate's bore, mm, by the contours of its outline."""
+def plate_ligament(plate: Plate, name: str) -> AllRound:
+    """The ligament behind a plate's bore, by the contours of its outline."""
     own = next(bore for bore in plate.bores if bore.name == name)
     starts, ends, pinned = [], [], []
     for contour in (plate.outline.outer, *plate.outline.inner):
@@ -195,9 +208,7 @@ def plate_tear_lengths(plate: Plate, name: str, angles: Sequence[float]) -> Floa
         np.column_stack([rows.real, rows.imag]) for rows in (from_, to, outward)
     )
     outline = _Outline(starts_, ends_, normals, np.concatenate(pinned))
-    lengths = np.array([outline.shortest(own.diameter / 2, angle) for angle in angles])
-    lengths[lengths > FAR * own.diameter] = np.inf
-    return lengths
+    return AllRound([outline], own.diameter / 2, plate.thickness)
 
 
 def _levels(mesh: Mesh, name: str) -> FloatArray:

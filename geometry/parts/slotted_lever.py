@@ -182,7 +182,7 @@ class SlottedLever(Shape):
         direction, end = self.outward(interface)
         inner = self.slot_from if interface == "pivot" else self.length - self.slot_to
         behind, before = (
-            (self.thickness * (reach - self.hole / 2),) for reach in (self._beyond, inner)
+            self.thickness * (reach - self.hole / 2) for reach in (self._beyond, inner)
         )
         return [
             Ligament(direction, behind, end),

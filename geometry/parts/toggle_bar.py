@@ -180,7 +180,7 @@ class ToggleBar(Shape):
     def ligaments(self, interface: str) -> Sequence[Ligament]:
         """Both cheeks behind a hole."""
         direction, end = self.outward(interface)
-        return [Ligament(direction, (2 * self.wall * (self.overhang - self.hole / 2),), end)]
+        return [Ligament(direction, 2 * self.wall * (self.overhang - self.hole / 2), end)]
 
     @property
     def cheeks_at(self) -> float:

@@ -242,7 +242,7 @@ class TubeRod(Shape):
     def ligaments(self, interface: str) -> Sequence[Ligament]:
         """The eye behind a hole: a ball cut flat."""
         direction, end = self.outward(interface)
-        return [Ligament(direction, (self.ligament,), end)]
+        return [Ligament(direction, self.ligament, end)]
 
     @property
     def ruling_sections(self) -> tuple[RulingSection, ...]:
