@@ -18,6 +18,7 @@ from reports.difference_text import VERDICTS, DesignDifference, Difference
 from reports.files import plain
 
 if TYPE_CHECKING:
+    from checks.design.data import Design
     from checks.design.effort import Effort
 
 RESULT = "result.json"
@@ -123,7 +124,10 @@ def results_at(path: Path, effort: "Effort | None", say: Say) -> dict[str, Calla
     if path.suffix.lower() == ".json":
         name = path.resolve().parent.name if path.name == RESULT else path.stem
         return {name: partial(read_result, path)}
-    return {path.stem: partial(_checked, path, effort, say)}
+    from ballesta.design.read import read_design
+
+    # read at once: a wrong file is told before the other is checked
+    return {path.stem: partial(_checked, read_design(path), path, effort, say)}
 
 
 def read_result(path: Path, cannot: str = "cannot be compared") -> Found:
@@ -158,12 +162,12 @@ def _refuse(constant: str) -> None:
     raise ValueError(f"a result holds no {constant}")
 
 
-def _checked(path: Path, effort: "Effort | None", say: Say) -> Found:
-    from ballesta.pipeline import check_file
+def _checked(design: "Design", path: Path, effort: "Effort | None", say: Say) -> Found:
+    from ballesta.pipeline import check_design
     from checks.design.effort import DEFAULT_EFFORT
 
-    result = check_file(
-        path, effort=effort or DEFAULT_EFFORT, say=lambda text: say(f"{path.stem}: {text}")
+    result = check_design(
+        design, effort=effort or DEFAULT_EFFORT, say=lambda text: say(f"{path.stem}: {text}")
     )
     return Found(str(path), plain(result.to_dict()))
 

@@ -246,6 +246,13 @@ def test_design_files_are_checked_and_say_what_their_results_say(folder, one, tw
     assert any(text.startswith("two: ") for text in told)
 
 
+def test_a_wrong_second_file_is_told_before_the_first_is_checked(folder, tmp_path):
+    told = []
+    with pytest.raises(DesignError, match=r"nosuch\.toml: cannot be read: there is no such file"):
+        differences_of(folder / "one.toml", tmp_path / "nosuch.toml", say=told.append)
+    assert told == []
+
+
 def test_runs_are_paired_by_the_names_of_their_folders(folder, tmp_path):
     """The one that changed stands before the one that did not."""
     for name, source in (("one", "one"), ("two", "one"), ("three", "two")):
