@@ -11,6 +11,8 @@ from checks.stress.stress_result import Stressed
 from fatigue.proportionality import PROPORTIONAL
 from geometry.mesh import FloatArray, IntArray
 
+_MOST_USED = 300  # points of the Haigh diagram
+
 
 def path_of(level: Stressed, peak: FatiguePeak) -> IntArray:
     """Positions of the path that decides; of a finite life those of all cycles."""
@@ -83,13 +85,11 @@ def fatigue_facts(level: Stressed, peak: FatiguePeak) -> dict[str, float | str]:
     return facts
 
 
-def haigh_of(
-    part: Part, level: Stressed, peak: FatiguePeak, most_used: int = 300
-) -> dict[str, object]:
+def haigh_of(part: Part, level: Stressed, peak: FatiguePeak) -> dict[str, object]:
     """Plain data of the Haigh diagram: the critical point, its path, and the most used points."""
     verdict = level.judged_duty.worst
     amplitude, mean = chord_at(level, peak)
-    order = np.argsort(-verdict.goodman_bound, kind="stable")[:most_used]
+    order = np.argsort(-verdict.goodman_bound, kind="stable")[:_MOST_USED]
     cloud = fatigue.goodman(
         level.history.basis[order],
         level.judged_duty.path,
