@@ -39,7 +39,8 @@ from checks.ladder.passing_fits import clearances_that_pass, edges_that_pass, wi
 from checks.models.stress_words import fatigue_words, static_words
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
-from checks.result.verdict import Check, Gate, HandCheck, PartResult, Status, Surface
+from checks.result.derivation import HandComparison
+from checks.result.verdict import Check, Gate, PartResult, Status, Surface
 from checks.result.ways import arc_fact
 from checks.store.solutions import remembered
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse
@@ -167,7 +168,7 @@ class SolvedStress:
     sizes: SizeField | None
     stopped: str
     doubts: LoadBars
-    by_hand: Sequence[HandCheck]
+    by_hand: Sequence[HandComparison]
     checks: Sequence[Check]
     bars: Mapping[Judged, Bars]
 
@@ -273,7 +274,7 @@ class _Judgement:
         """The check, without a derivation."""
         return self._of(self.own)
 
-    def derived(self, loaded: LoadedPart, level: Level, by_hand: Sequence[HandCheck]) -> Check:
+    def derived(self, loaded: LoadedPart, level: Level, by_hand: Sequence[HandComparison]) -> Check:
         """The check, with its derivation where it is one of the stress itself."""
         if self.own is None:
             return self.check
