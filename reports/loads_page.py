@@ -11,14 +11,7 @@ from markupsafe import Markup
 from checks.result.words import brief, number, place_text, quantity_unit
 from geometry.mesh import FloatArray
 from reports.charts.chart import Chart, largest
-from reports.charts.over_cycle import (
-    Curve,
-    CycleAxis,
-    Panel,
-    cycle_axis,
-    cycle_table,
-    over_cycle,
-)
+from reports.charts.over_cycle import Curve, CycleAxis, Panel, cycle_axis, cycle_table, over_cycle
 from reports.files import plain, write_text
 from reports.loads_figures import BlowSummary, Extremes
 from reports.loads_summary import LoadsResult, ShownCycle, ShownRun
