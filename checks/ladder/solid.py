@@ -36,7 +36,7 @@ from checks.ladder.part_facts import (
 )
 from checks.ladder.part_fields import solid_fields, with_mode
 from checks.ladder.passing_fits import clearances_that_pass, edges_that_pass, with_assumed_fits
-from checks.models.stress_words import fatigue_words, static_words
+from checks.models.stress_words import fatigue_check, static_check
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import HandComparison
@@ -436,29 +436,18 @@ def stress_check(loaded: LoadedPart, level: Stressed, judged: Judged, bars: Bars
     loads = loaded.loads
     more, why = 0.0, ""
     if isinstance(judged, FatigueUse):
-        said = fatigue_words(loaded, level, judged)
+        check = fatigue_check(loaded, level, judged, "solid")
         more, why = judged.band(level)
         rise = fatigue_rise(level, loads, judged)
     else:
-        said = static_words(loaded, level)
+        check = static_check(loaded, level, "solid")
         rise = static_rise(level, loads)
-    check = Check(
-        part=loaded.part.name,
-        kind=said.kind,
-        quantity=said.quantity,
-        value=judged.value(level),
-        unit="MPa",
+    check = replace(
+        check,
         numerical=bars.numerical.value,
         model=bars.above + more,
         model_below=bars.below,
-        limit=said.limit,
-        required=said.required,
-        cycle=said.cycle,
-        position=said.position,
-        place=level.place_in_words(judged.point(level), loaded.part.geometry.placed_interfaces),
-        method="solid",
-        basis=said.basis,
-        note=". ".join(text for text in (said.note, why, bars.note) if text),
+        note=". ".join(text for text in (check.note, why, bars.note) if text),
     )
     return with_sampling(check, rise)
 
