@@ -223,23 +223,6 @@ def batch(
     Exit code: the highest of the designs; 0 pass, 1 FAIL or UNDECIDED, 2 wrong input, 3 gave up,
     crashed, out of time or memory; 130 stopped.
     """
-    if until is not None:
-        from ballesta.commands.batch_command import Search, run_until
-
-        wishes = (*(overrides or ()), *([] if accuracy is None else [f"accuracy={accuracy}"]))
-        given = {
-            "--sample": sample is not None,
-            "--jobs": jobs is not None,
-            "--time-limit": time_limit != "600s",
-            "--memory": memory is not None,
-            "--reports": reports is not None,
-            "--no-store": no_store,
-            "--executor": executor != "local",
-            "--tls": tls is not None,
-        }
-        unused = tuple(option for option, is_given in given.items() if is_given)
-        search = Search(out, until, wishes, fidelity, within, store, unused)
-        raise typer.Exit(run_until(designs, sweeps or (), search))
     from ballesta.commands.batch_command import Wanted, run_batch_command
 
     wanted = Wanted(
@@ -248,6 +231,7 @@ def batch(
         sweeps=tuple(sweeps or ()),
         sample=sample,
         seed=seed,
+        until=until,
         fidelity=fidelity,
         within=within,
         accuracy=accuracy,

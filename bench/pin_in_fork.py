@@ -337,7 +337,9 @@ def table(fork: Fork, found: dict[str, Pressed]) -> str:
                 f"| {name.lower()}, b/d = {fork.eye / 2 / RADIUS:g}{bush} | {place:.2f} | "
                 f"{one:.3f} | {other:.3f} | {side:.3f} |"
             )
-        shift = f"{pressed.shift:.3f} and {ours.shift(number):.3f} mm" if number == 2 else "none"
+        lug, forces = ours.lugs[number], ours.forces[number]
+        beside = forces @ hats.places / forces.sum() - (lug.low + lug.high) / 2
+        shift = f"{pressed.shift:.3f} and {beside:.3f} mm" if number == 2 else "none"
         lines.append(f"{name.lower()}: resultant off the middle, {shift}; mean hoop {hoop:.4g} MPa")
     return "\n".join(lines)
 

@@ -44,14 +44,10 @@ class ChordPath:
     along    (n_positions,)  component of the path along the chord, as an equivalent stress with a
                              sign; for one uniaxial stress that stress itself. Its range is twice
                              the amplitude. The end with the larger hydrostatic stress is up.
-    largest  (n_positions,)  largest principal stress
-    smallest (n_positions,)  smallest principal stress
-    amplitude, mean          half the chord; largest principal of the middle, not less than 0
+    amplitude, mean  half the chord; largest principal of the middle, not less than 0
     """
 
     along: FloatArray
-    largest: FloatArray
-    smallest: FloatArray
     amplitude: float
     mean: float
 
@@ -205,7 +201,6 @@ def chord_path(basis: FloatArray, coefficients: FloatArray, pair: tuple[int, int
     checked, coefficients = check_history(np.asarray(basis)[None], coefficients)
     stress = (checked[0] @ coefficients).T
     vectors = (deviatoric_basis(checked)[0] @ coefficients).T
-    principal = principal_stresses(stress)
     first, second = pair
     chord = vectors[second] - vectors[first]
     length = float(np.linalg.norm(chord))
@@ -215,7 +210,7 @@ def chord_path(basis: FloatArray, coefficients: FloatArray, pair: tuple[int, int
     else:
         along = np.linalg.norm(vectors, axis=1)
     middle = principal_stresses((stress[first] + stress[second]) / 2.0)[2]
-    return ChordPath(along, principal[:, 2], principal[:, 0], length / 2.0, max(0.0, float(middle)))
+    return ChordPath(along, length / 2.0, max(0.0, float(middle)))
 
 
 def _upwards(along: FloatArray, trace: FloatArray, first: int, second: int) -> FloatArray:

@@ -33,10 +33,9 @@ HOTTEST = 537.8  # deg C, 1000 deg F: end of eq. (6-27)
 class EnduranceLimit:
     """The fully reversed stress amplitude that a part endures without end, and how it came about.
 
-    value        MPa, uncorrected times the six factors
+    value        MPa, uncorrected times the five factors
     uncorrected  MPa, of the polished rotating-beam specimen, 7.62 mm in diameter
     surface, size, load, temperature, reliability    Marin's factors k_a to k_e, each at most 1
-    fretting     k_f, at most 1, where a clamp or a press fit rubs
     """
 
     value: float
@@ -46,13 +45,9 @@ class EnduranceLimit:
     load: float
     temperature: float
     reliability: float
-    fretting: float = 1.0
 
     def __post_init__(self) -> None:
-        factors = (
-            *(self.surface, self.size, self.load),
-            *(self.temperature, self.reliability, self.fretting),
-        )
+        factors = self.surface, self.size, self.load, self.temperature, self.reliability
         if not all(0.0 < factor <= 1.0 for factor in factors):
             raise ValueError(f"Marin factors must lie above 0 and at most at 1, got {factors}")
         product = self.uncorrected * prod(factors)
@@ -72,15 +67,13 @@ def endurance_limit(
     temperature: float = 20.0,
     reliability: float = 0.5,
     specimen_limit: float | None = None,
-    fretting: float = 1.0,
 ) -> EnduranceLimit:
     """Return the endurance limit of a steel part.
 
     ultimate_strength in MPa; surface one of SURFACES; equivalent_diameter in mm (see the
     `*_equivalent_diameter` functions), None for no size effect; load one of LOADS; temperature in
     deg C; reliability the share of parts that survive, 0.5 to 0.999999; specimen_limit in MPa
-    where it was measured, instead of half the ultimate strength; fretting the factor, at least 1,
-    by which a clamp or press fit lowers the limit, see `fretting_factor`.
+    where it was measured, instead of half the ultimate strength.
     """
     uncorrected = _uncorrected(ultimate_strength, specimen_limit)
     factors = (
@@ -90,8 +83,7 @@ def endurance_limit(
         temperature_factor(temperature),
         reliability_factor(reliability),
     )
-    rubbed = fretting_factor(fretting)
-    return EnduranceLimit(uncorrected * prod(factors) * rubbed, uncorrected, *factors, rubbed)
+    return EnduranceLimit(uncorrected * prod(factors), uncorrected, *factors)
 
 
 def _uncorrected(ultimate_strength: float, specimen_limit: float | None) -> float:
@@ -185,20 +177,6 @@ def reliability_factor(reliability: float) -> float:
     if not 0.5 <= reliability <= 0.999999:
         raise ValueError(f"the reliability must lie between 0.5 and 0.999999, got {reliability:g}")
     return 1.0 - 0.08 * NormalDist().inv_cdf(reliability)
-
-
-def fretting_factor(fretting: float) -> float:
-    """Return k_f = 1/fretting. fretting: factor by which fretting lowers the limit, at least 1.
-
-    Shigley, 9th ed., section 6-9, gives k_f from 0.24 to 0.90 by the pair of materials, so 1.1 to
-    4.2; clamped leaves of springs have 1.2 to 1.8. A part's factor must be stated, not computed.
-    """
-    if not (isfinite(fretting) and fretting >= 1.0):
-        raise ValueError(
-            f"the fretting factor, by which the limit is divided, must be at least 1, "
-            f"got {fretting:g}"
-        )
-    return 1.0 / fretting
 
 
 def _above_zero(what: str, value: float, unit: str) -> None:

@@ -264,16 +264,14 @@ class PlacedLinks:
         constraints: FloatArray,
         geometric: FloatArray,
         plane: Sequence[int],
-        *,
-        count: int = 1,
     ) -> FrameModes:
-        """Lowest buckling factors in one plane; shapes (n, k) in the links' own axes.
+        """Lowest buckling factor in one plane; its shape (n, 1) in the links' own axes.
 
         Raises LooseFrameError if something moves without strain.
         """
         moves = self.free_motions(constraints, plane)
         found = buckling_modes(
-            moves.T @ self.stiffness @ moves, moves.T @ geometric @ moves, count=count
+            moves.T @ self.stiffness @ moves, moves.T @ geometric @ moves, count=1
         )
         return replace(found, shapes=moves @ found.shapes)
 

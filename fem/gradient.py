@@ -55,29 +55,20 @@ def inward_normals(mesh: Mesh) -> FloatArray:
     return np.asarray(total / np.linalg.norm(total, axis=1, keepdims=True))
 
 
-def related_gradient(
-    stress: FloatArray, slope: FloatArray, measure: str = "principal"
-) -> FloatArray:
+def related_gradient(stress: FloatArray, slope: FloatArray) -> FloatArray:
     """Return G = -(d sigma/dn)/sigma, 1/mm, along the inward normal; negative where it rises.
 
     stress, slope  (..., 6) MPa and MPa/mm, also of the difference of two positions of a cycle
-    measure        "principal": of the principal stress of largest size, in its direction at the
-                   surface; "von_mises": of the von Mises stress
 
+    sigma is the principal stress of largest size, in its direction at the surface.
     Without stress there is no gradient: 0.
     """
     stress, slope = np.broadcast_arrays(stress, slope)
-    if measure == "von_mises":
-        deviator = tensor(stress) - np.eye(3) * stress[..., :3].mean(axis=-1)[..., None, None]
-        change, size = (deviator * tensor(slope)).sum((-2, -1)), (deviator**2).sum((-2, -1))
-    elif measure == "principal":
-        values, vectors = np.linalg.eigh(tensor(stress))
-        largest = np.abs(values).argmax(axis=-1)[..., None]
-        size = np.take_along_axis(values, largest, axis=-1)[..., 0]
-        direction = np.take_along_axis(vectors, largest[..., None], axis=-1)[..., 0]
-        change = np.einsum("...i,...ij,...j->...", direction, tensor(slope), direction)
-    else:
-        raise ValueError(f"measure {measure!r} is unknown; one of principal, von_mises")
+    values, vectors = np.linalg.eigh(tensor(stress))
+    largest = np.abs(values).argmax(axis=-1)[..., None]
+    size = np.take_along_axis(values, largest, axis=-1)[..., 0]
+    direction = np.take_along_axis(vectors, largest[..., None], axis=-1)[..., 0]
+    change = np.einsum("...i,...ij,...j->...", direction, tensor(slope), direction)
     gradient = np.zeros(np.shape(size))
     np.divide(-change, size, out=gradient, where=np.abs(size) > 0.0)
     return gradient

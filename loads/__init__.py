@@ -1,15 +1,7 @@
 """Loads of any planar linkage of one degree of freedom over its cycle, part by part."""
 
 from loads.blow_force import Struck
-from loads.blow_loads import (
-    Blow,
-    BlowLoads,
-    at_rows,
-    blow,
-    blow_loads,
-    moments_of_blows,
-    with_blow,
-)
+from loads.blow_loads import Blow, BlowLoads, at_rows, blow, blow_loads, moments_of_blows, with_blow
 from loads.bodies import (
     GROUND,
     Angle,

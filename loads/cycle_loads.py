@@ -27,14 +27,7 @@ from loads.bodies import (
 )
 from loads.contact import Touch, rigidly_joined
 from loads.forces import ForceSolution, JointLoad, LoadHistory, PointLoad, body_loads
-from loads.kinematics import (
-    Kinematics,
-    acceleration_at,
-    centre_arm,
-    dot,
-    rotated,
-    velocity_at,
-)
+from loads.kinematics import Kinematics, acceleration_at, centre_arm, dot, rotated, velocity_at
 from loads.linkage import Linkage
 from loads.motion import Motion
 from loads.path import worst_gaps

@@ -33,13 +33,11 @@ class PullThrough:
     stiffness    N/mm (N mm/rad), of everything in the way of the process force, in series
     force        N (N mm), what the process force reaches at the dead centre at that stiffness
     dead_centre  mm or rad, value of the drive's coordinate there
-    hardest      mm or rad, value of the drive's coordinate where it must pull hardest
     """
 
     stiffness: float
     force: float
     dead_centre: float
-    hardest: float
 
 
 def pull_through(
@@ -77,38 +75,35 @@ def pull_through(
     depth = np.abs(path.kinematics.value(resisting.coordinate, motion.poses) - touch)
     sense = _sense(path, resisting, start, dead_centre)
 
-    def hardest(stiffness: float) -> tuple[float, int]:
-        """Largest force of the drive, less the pull, N, and its position's index."""
+    def hardest(stiffness: float) -> float:
+        """Largest force of the drive, less the pull, N."""
         forces: dict[str, float | FloatArray] = {**(given or {})}
         forces[process] = sense * stiffness * depth
         needed = np.sign(pull) * solve_forces(motion, forces, drive).efforts[drive]
-        k = int(np.argmax(needed))
-        return _peak(needed, k) - abs(pull), k
+        return _peak(needed, int(np.argmax(needed))) - abs(pull)
 
     if depth.max() <= 1e-12 * path.kinematics.coordinate_scale(resisting.coordinate):
         return None
     low, high = 0.0, abs(pull) / float(depth.max())
-    below, k = hardest(low)
+    below = hardest(low)
     if below >= 0.0:
-        return PullThrough(0.0, 0.0, dead_centre, float(grid[k]))
+        return PullThrough(0.0, 0.0, dead_centre)
     for _ in range(_DOUBLINGS):
-        above, k = hardest(high)
+        above = hardest(high)
         if above >= 0.0:
             break
         low, below, high = high, above, 2.0 * high
     else:
         return None  # nothing that is touched asks the drive for anything
-    stiffness, k = _zero(hardest, (low, high), (below, above))
+    stiffness = _zero(hardest, (low, high), (below, above))
     deepest = abs(float(_process_value(path, resisting, dead_centre)) - touch)
-    return PullThrough(stiffness, stiffness * deepest, dead_centre, float(grid[k]))
+    return PullThrough(stiffness, stiffness * deepest, dead_centre)
 
 
 def _zero(
-    function: Callable[[float], tuple[float, int]],
-    ends: tuple[float, float],
-    values: tuple[float, float],
-) -> tuple[float, int]:
-    """Return where a function that rises from below 0 to above comes to 0, and what else it gives.
+    function: Callable[[float], float], ends: tuple[float, float], values: tuple[float, float]
+) -> float:
+    """Return where a function that rises from below 0 to above comes to 0.
 
     By false position; an end that stays for a second time counts half (Illinois), so that both
     come near.
@@ -118,9 +113,9 @@ def _zero(
     stayed = 0
     for _ in range(_HALVINGS):
         middle = low + (high - low) * (below / (below - above))
-        value, more = function(middle)
+        value = function(middle)
         if abs(value) <= close or high - low <= _CLOSE * high:
-            return middle, more
+            return middle
         if value < 0.0:
             low, below = middle, value
             above *= 0.5 if stayed > 0 else 1.0
@@ -129,7 +124,7 @@ def _zero(
             high, above = middle, value
             below *= 0.5 if stayed < 0 else 1.0
             stayed = -1
-    return middle, more  # where it jumps over 0
+    return middle  # where it jumps over 0
 
 
 def _peak(values: FloatArray, k: int) -> float:

@@ -30,14 +30,7 @@ from loads.bodies import (
     Vector,
     nearest,
 )
-from loads.kinematics import (
-    Kinematics,
-    acceleration_at,
-    centre_arm,
-    cross,
-    dot,
-    turned_left,
-)
+from loads.kinematics import Kinematics, acceleration_at, centre_arm, cross, dot, turned_left
 from loads.motion import SINGULAR, Motion, coordinate_share
 
 _AT_REST = 1e-10  # of the rates of the linkage: slower sliding is rounding, sign(0) = 0

@@ -16,12 +16,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from loads.bodies import BoolArray, FloatArray, Force, LinkageError, in_words
-from loads.kinematics import (
-    Kinematics,
-    centre_arm,
-    dot,
-    velocity_at,
-)
+from loads.kinematics import Kinematics, centre_arm, dot, velocity_at
 from loads.motion import Geometry, Motion
 from loads.pace import (
     Cycle,

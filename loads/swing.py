@@ -31,12 +31,7 @@ from loads.kinematics import Kinematics
 from loads.laws import Contact
 from loads.motion import differentiate
 from loads.pace import Cycle
-from loads.vibration import (
-    grown,
-    joint_strains,
-    pushed_motion,
-    with_body_loads,
-)
+from loads.vibration import grown, joint_strains, pushed_motion, with_body_loads
 
 _SHARE = 0.05  # of the compliance of all modes at the contact: one below it follows statically
 _STIFF = 0.01  # of it: what gives way without mass before a workpiece that only yields is rigid

@@ -8,7 +8,8 @@ from math import inf, isfinite
 
 from markupsafe import Markup
 
-from checks.result.verdict import Check, DesignResult, HandCheck, PartResult, Status, deciding_of
+from checks.result.derivation import HandComparison
+from checks.result.verdict import Check, DesignResult, PartResult, Status, deciding_of
 from checks.result.words import brief, check_titles, number, utilisation_text
 from reports.answer_facts import Answer, Fact, PartRow
 from reports.charts import Charts, DesignCharts
@@ -87,7 +88,7 @@ class PartView:
     rows: Sequence[Row]
     images: Sequence[tuple[str, str]]
     captions: Mapping[str, tuple[str, str, str]]
-    hand: Sequence[tuple[HandCheck, str]]
+    hand: Sequence[tuple[HandComparison, str]]
     columns: Sequence[str]
     charts: Charts
     alike: str = ""
@@ -210,7 +211,7 @@ def _part_view(
     )
 
 
-def ratio(check: HandCheck) -> str:
+def ratio(check: HandComparison) -> str:
     """Ratio of the model's number to that by hand."""
     return number(check.model / check.hand) if check.hand else "–"
 

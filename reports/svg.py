@@ -99,22 +99,6 @@ class Drawing:
         """Write a text on a line; see `_text`."""
         self._texts.append(_text(x, y, text, **style))
 
-    def legend(
-        self, entries: Sequence[tuple[str, Mapping[str, Any]]], box: tuple[float, float, float]
-    ) -> float:
-        """Samples of lines with their names, in rows within left, top and width; their height."""
-        left, y, width = box
-        x, size = left, 9.0
-        for text, style in entries:
-            wide = 34.0 + _LETTER * size * len(text)
-            if x > left and x + wide > left + width:
-                x, y = left, y + 13.0
-            sample = Frame((x, y, 20.0, 10.0), (0.0, 1.0), (0.0, 1.0))
-            sample.line([[0.5, 0.5]] if style.get("marker") else [[0, 0.5], [1, 0.5]], **style)
-            self._texts += [*sample.inside, _text(x + 24, y + 8, text, size=size, anchor="start")]
-            x += wide
-        return y + 13.0 - box[1]
-
     def svg(self, label: str, attributes: Mapping[str, str] | None = None) -> str:
         """The element, with its name for who cannot see it, and further attributes."""
         framed = [part for frame in self._frames for part in frame.drawn()]

@@ -37,6 +37,7 @@ _HERE = Path("command line")
 class Wanted:
     """The options of the command, as they were written.
 
+    until    "pass", or "pass of PART, PART" to judge only these: a search in place of a batch
     reports  None: for batches of up to `plan.REPORTS_UP_TO` designs
     store    None: the folder `store` of the batch
     """
@@ -46,6 +47,7 @@ class Wanted:
     sweeps: tuple[str, ...] = ()
     sample: int | None = None
     seed: int = 0
+    until: str | None = None
     fidelity: str = "auto"
     within: str | None = None
     accuracy: str | None = None
@@ -64,6 +66,8 @@ def run_batch_command(designs: Sequence[Path], wanted: Wanted) -> int:
 
     130 when it is stopped by an interrupt or SIGTERM.
     """
+    if wanted.until is not None:
+        return run_until(designs, wanted)
 
     def work() -> int:
         with terminated_as_interrupted():
@@ -271,27 +275,10 @@ def live() -> Iterator[Lines]:
 # `ballesta batch --sweep ... --until pass`: searches of designs, one after the other.
 # Whatever is checked is kept in the store of the output folder, so that a search that was killed
 # goes on where it was, and a wider one begins with what is known.
+_OF_A_BATCH = ("sample", "jobs", "time_limit", "memory", "reports", "no_store", "executor", "tls")
 
 
-@dataclass(frozen=True)
-class Search:
-    """The options of a search, as they were written.
-
-    until   "pass", or "pass of PART, PART" to judge only these
-    store   where stages are shared; None: the folder `store` of `out`
-    unused  options that were given and that a search does not have
-    """
-
-    out: Path
-    until: str = "pass"
-    overrides: tuple[str, ...] = ()
-    fidelity: str = "auto"
-    within: str | None = None
-    store: Path | None = None
-    unused: tuple[str, ...] = ()
-
-
-def run_until(designs: Sequence[Path], sweeps: Sequence[str], wanted: Search) -> int:
+def run_until(designs: Sequence[Path], wanted: Wanted) -> int:
     """Search every design, print the threshold and write OUT/DESIGN/until.json.
 
     Returns the highest exit code: 0 a value passes, 1 none does, 2 an input is wrong, 3 the
@@ -299,14 +286,16 @@ def run_until(designs: Sequence[Path], sweeps: Sequence[str], wanted: Search) ->
     """
 
     def every() -> int:
-        parts = parts_of(wanted.until)
-        if len(sweeps) != 1:
-            raise DesignError(_HERE, "--until", f"needs one --sweep, got {len(sweeps)}")
-        if wanted.unused:
-            told = (
-                f"searches by itself, one check after the other: leave out {listed(wanted.unused)}"
-            )
+        parts = parts_of(wanted.until or "pass")
+        if len(wanted.sweeps) != 1:
+            raise DesignError(_HERE, "--until", f"needs one --sweep, got {len(wanted.sweeps)}")
+        given = [name for name in _OF_A_BATCH if getattr(wanted, name) != getattr(Wanted, name)]
+        if given:
+            options = listed([f"--{name.replace('_', '-')}" for name in given])
+            told = f"searches by itself, one check after the other: leave out {options}"
             raise DesignError(_HERE, "--until", told)
+        accuracy = () if wanted.accuracy is None else (f"accuracy={wanted.accuracy}",)
+        overrides = (*wanted.overrides, *accuracy)
         effort = effort_of(wanted.fidelity, wanted.within)
         files, _ = design_files([str(path) for path in designs])
         store = store_at(wanted.store or wanted.out / "store")
@@ -315,17 +304,17 @@ def run_until(designs: Sequence[Path], sweeps: Sequence[str], wanted: Search) ->
         def one(file: Path, folder: Path) -> int:
             with told_of_folder(wanted.out):
                 folder.mkdir(parents=True, exist_ok=True)
-            before = read_design(file, wanted.overrides).sources
+            before = read_design(file, overrides).sources
             result = until_pass(
                 file,
-                sweeps[0],
-                wanted.overrides,
+                wanted.sweeps[0],
+                overrides,
                 parts=parts,
                 effort=effort,
                 check=stored_check(file, store),
                 say=lambda text: step(f"{file.stem}: {text}"),
             )
-            if read_design(file, wanted.overrides).sources != before:
+            if read_design(file, overrides).sources != before:
                 raise DesignError(file, "--until", "was edited during the search: search again")
             _write(result, folder / "until.json", wanted.out)
             print(until_text(result), end="", flush=True)

@@ -19,15 +19,7 @@ from ballesta.design.files import Reading
 from ballesta.design.forces import dimension_of
 from checks.design.errors import Problems, listed, nearest, no_such
 from checks.design.tables import ExpressionLaw
-from checks.design.units import (
-    ANGLE,
-    DIMENSIONS,
-    MOST,
-    PLAIN,
-    Powers,
-    powers_of,
-    title_of,
-)
+from checks.design.units import ANGLE, DIMENSIONS, MOST, PLAIN, Powers, powers_of, title_of
 from checks.result.words import brief
 from geometry.parameters import ParameterError
 

@@ -12,12 +12,7 @@ from math import inf, isinf
 import numpy as np
 
 import loads
-from ballesta.machine.quasi_static import (
-    CycleVibration,
-    vibration_of,
-    with_dynamics,
-    with_sections,
-)
+from ballesta.machine.quasi_static import CycleVibration, vibration_of, with_dynamics, with_sections
 from checks.design.data import Cycle, Design
 from checks.design.errors import DesignError
 from checks.part.part_loads import shown_position

@@ -21,10 +21,7 @@ from ballesta.machine.drive_speed import (
     speed_gates,
 )
 from ballesta.machine.elastic_parts import compliances_of
-from ballesta.machine.quasi_static import (
-    CycleVibration,
-    vibration_warnings,
-)
+from ballesta.machine.quasi_static import CycleVibration, vibration_warnings
 from ballesta.machine.solved_cycles import (
     part_masses,
     solve_cycles,

@@ -174,7 +174,7 @@ def read_baseline(path: Path) -> Baseline:
     try:
         if not isinstance(data, dict) or data.get("format") != FORMAT:
             found = data.get("format") if isinstance(data, dict) else data
-            raise ValueError(f"format: must be {FORMAT!r}, got {found!r}; write it anew")
+            raise ValueError(f"format: must be {FORMAT!r}, got {found!r}; delete it and write anew")
         _check_record(data)
         kinds = {name: _kinds(part["checks"]) for name, part in data["parts"].items()}
         bands = data.get("bands", {})
@@ -182,15 +182,6 @@ def read_baseline(path: Path) -> Baseline:
     except ValueError as error:
         raise BaselineError(f"{path.name}: {error}") from error
     return Baseline(data, bands, shares)
-
-
-def is_old(path: Path) -> bool:
-    """True for a baseline of an earlier format, which stated no bands or rungs."""
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return False
-    return isinstance(data, dict) and data.get("format") == "ballesta-baseline/1"
 
 
 def write_record(path: Path, record: Mapping[str, Any], bands: Mapping[str, Any]) -> None:
@@ -352,7 +343,7 @@ def write_baseline(result: DesignResult) -> Path:
         )
         raise DesignError(path, _OPTION, said)
     try:
-        bands = read_baseline(path).bands if path.exists() and not is_old(path) else {}
+        bands = read_baseline(path).bands if path.exists() else {}
     except BaselineError as error:
         raise DesignError(path, _OPTION, f"{error}; mend or delete it") from error
     rungs = {part["name"]: rungs_of(part) for part in result.to_dict()["parts"]}

@@ -55,9 +55,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return 0
 
 
-def measured(
-    path: Path, fidelity: str, rungs: Rungs, overrides: Sequence[str] = ()
-) -> dict[str, Any]:
+def measured(path: Path, fidelity: str, rungs: Rungs) -> dict[str, Any]:
     """Check a design by the rungs that are pinned, its other parts as `fidelity` says.
 
     Where a solid decides something that was not pinned, all is checked again, pinned: a solid
@@ -71,7 +69,7 @@ def measured(
     from checks.design.effort import Effort, effort_of
     from checks.store.fingerprints import stages_of
 
-    design = read_design(path, overrides)
+    design = read_design(path)
 
     def say(text: str) -> None:
         print(text, file=sys.stderr, flush=True)

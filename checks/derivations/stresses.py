@@ -23,7 +23,7 @@ from checks.result.derivation import (
     Step,
     Sum,
 )
-from checks.result.verdict import Check, HandCheck
+from checks.result.verdict import Check
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse
 from checks.strength.finite_life import DutyLife, life_curve
 from checks.strength.fkm_strength import FkmJudgement
@@ -107,7 +107,7 @@ def of_solid(
     judged: Judged,
     bars: Bars,
     check: Check,
-    by_hand: Sequence[HandCheck],
+    by_hand: Sequence[HandComparison],
 ) -> Check:
     """Return a solid's stress check with its derivation."""
     more = 0.0
@@ -116,13 +116,9 @@ def of_solid(
     else:
         found = static(part, part_loads, level)
     told, items = solid_bars(bars, found.value, more)
-    compared = tuple(
-        HandComparison(hand.quantity, hand.hand, hand.model, hand.unit, hand.formula)
-        for hand in by_hand
-    )
     sections = (*found.sections, Section(BARS, tuple(items)))
     return replace(
-        check, derivation=replace(found, bars=told, sections=sections, compared=compared)
+        check, derivation=replace(found, bars=told, sections=sections, compared=tuple(by_hand))
     )
 
 

@@ -122,13 +122,12 @@ class ColumnStrength:
     slenderness     effective length over radius of gyration
     critical        MPa, the stress that governs
     governs         "yield", "Johnson" or "Euler"
-    johnson, euler  MPa; johnson is None where Euler governs
+    euler  MPa
     """
 
     slenderness: float
     critical: float
     governs: str
-    johnson: float | None
     euler: float
 
 
@@ -147,10 +146,10 @@ def column_strength(
     slenderness = length / np.sqrt(inertia / area)
     euler = np.pi**2 * youngs_modulus / slenderness**2 if slenderness else float("inf")
     if slenderness >= transition_slenderness(yield_stress, youngs_modulus):
-        return ColumnStrength(float(slenderness), float(euler), "Euler", None, float(euler))
+        return ColumnStrength(float(slenderness), float(euler), "Euler", float(euler))
     johnson = johnson_stress(slenderness, yield_stress, youngs_modulus)
     governs = "yield" if johnson > 0.999 * yield_stress else "Johnson"
-    return ColumnStrength(float(slenderness), float(johnson), governs, float(johnson), float(euler))
+    return ColumnStrength(float(slenderness), float(johnson), governs, float(euler))
 
 
 def column_force(stiffness: FloatArray, shear: FloatArray | float, length: float) -> float:

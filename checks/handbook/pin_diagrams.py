@@ -58,22 +58,14 @@ class PinDiagram:
         return round_torsion(np.abs(self.torque), self.diameter)
 
     @property
-    def equivalent_stress(self) -> FloatArray:
-        """Largest von Mises stress of bending with shear and twist (n, m), MPa.
-
-        At the angle a of the rim bending is cos(a - a_M) of its largest and shear, the same all
-        across (Jourawski), sin^2(a - a_V); inside the section bending is less and shear the same.
-        The twist runs with the shear on one of two opposite rims, which are bent alike.
-        """
-        every = np.ones(self.bending_stress.shape, dtype=bool)
-        return self._equivalent(every).reshape(every.shape)
-
-    @property
     def equivalent_peaks(self) -> FloatArray:
-        """As `equivalent_stress` wherever that may be the largest, else a bound from below (n, m).
+        """Von Mises stress of bending with shear and twist (n, m), MPa, where it may be largest.
 
-        It is at most what bending and shear have at one place, sqrt(sigma^2 + 3 tau^2), and at
-        least either of them.
+        Elsewhere a bound from below. At the angle a of the rim bending is cos(a - a_M) of its
+        largest and shear, the same all across (Jourawski), sin^2(a - a_V); inside the section
+        bending is less and shear the same. The twist runs with the shear on one of two opposite
+        rims, which are bent alike. The stress is at most what bending and shear have at one place,
+        sqrt(sigma^2 + 3 tau^2), and at least either of them.
         """
         bent, sheared = self.bending_stress**2, 3 * self.shear_stress**2
         least = np.sqrt(np.maximum(bent, sheared))
@@ -82,7 +74,7 @@ class PinDiagram:
         return np.asarray(least)
 
     def rim_at(self, position: int, section: int) -> float | None:
-        """Angle of the rim, rad from where it is bent most, at which `equivalent_stress` stands.
+        """Angle of the rim, rad from where it is bent most, with the largest von Mises stress.
 
         None in the middle of the section, where nothing is bent.
         """

@@ -26,7 +26,7 @@ from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.part.pressed_along import Uneven, that_count
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse
-from checks.strength.fatigue_facts import deciding_pair, haigh_of
+from checks.strength.fatigue_facts import chord_at, deciding_pair, path_of
 from checks.strength.finite_life import (
     LifeTask,
     counted,
@@ -128,13 +128,33 @@ def convergence_data(
 
 
 def haigh_data(part: Part, level: Stressed, peak: FatiguePeak) -> dict[str, Any]:
-    """Data of a Haigh diagram: those of `haigh_of`, and more.
+    """Data of a Haigh diagram: the critical point, its path, and the most used points.
 
+    along  (n,) MPa, stress along the chord of the deciding pair, over the deciding path
     away   MPa, endurance limit away from notches and fretting
     paths  cycle -> mean and amplitude of each position, (n,) MPa
     """
-    return haigh_of(part, level, peak) | {
-        "away": float(level.judged_duty.limit),
+    duty, history = level.judged_duty, level.history
+    order = np.argsort(-duty.worst.goodman_bound, kind="stable")[:_MOST_USED]
+    ultimate = part.material.ultimate_stress
+    cloud = fatigue.goodman(history.basis[order], duty.path, level.limits[order], ultimate)
+    run = path_of(level, peak)
+    first, second = (int(np.flatnonzero(run == k)[0]) for k in peak.pair)
+    path = np.ascontiguousarray(level.coefficients[:, run])
+    chord = fatigue.chord_path(history.basis[peak.point], path, (first, second))
+    amplitude, mean = chord_at(level, peak)
+    return {
+        "cycle": peak.cycle,
+        "criterion": peak.criterion,
+        "pair": [int(k) for k in peak.pair],
+        "along": chord.along.tolist(),
+        "mean": mean,
+        "amplitude": amplitude,
+        "endurance": float(level.limits[peak.point]),
+        "ultimate": ultimate,
+        "yield": part.material.yield_stress,
+        "cloud": np.stack([cloud.mean, cloud.amplitude], axis=1).tolist(),
+        "away": float(duty.limit),
         "paths": _paths(level, deciding_pair(level, peak), peak),
     }
 

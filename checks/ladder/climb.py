@@ -214,6 +214,6 @@ def climb_cheap(climb: Climb, fidelity: str, say: Say = lambda _: None) -> bool:
     return climb.level is None or (fidelity == AUTO and bool(climb.open))
 
 
-def answered(climb: Climb, order: Sequence[str] = (STATIC, FATIGUE, BUCKLING)) -> list[Check]:
+def answered(climb: Climb) -> list[Check]:
     """The checks that the formula answers."""
-    return [climb.best[kind].check for kind in order if kind in climb.best]
+    return [climb.best[kind].check for kind in (STATIC, FATIGUE, BUCKLING) if kind in climb.best]

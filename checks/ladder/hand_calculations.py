@@ -5,7 +5,7 @@ import numpy as np
 from checks.design.data import Part
 from checks.models import shapes
 from checks.part.part_loads import PartLoads, first_largest
-from checks.result.verdict import HandCheck
+from checks.result.derivation import HandComparison
 from checks.result.words import number
 from checks.stress.solid_mesh_level import Level
 from fem.recovery import von_mises
@@ -20,7 +20,7 @@ _TOLD = 0.3  # of the largest stress by formula: places that have less are not t
 _OWN = "its own weight and inertia as those of an even bar"
 
 
-def hand_checks(part: Part, loads: PartLoads, level: Level) -> list[HandCheck]:
+def hand_checks(part: Part, loads: PartLoads, level: Level) -> list[HandComparison]:
     """Return what formulas say beside a solid: of columns at mid-length, of all at named places."""
     middle = part.geometry.length / 2
     sections = [one for one in part.geometry.sections if _holds(one, middle)]
@@ -32,7 +32,9 @@ def _holds(section: Section, place: float) -> bool:
     return section.stretch is None or section.stretch[0] <= place <= section.stretch[1]
 
 
-def _at_mid_length(part: Part, section: Section, loads: PartLoads, level: Level) -> list[HandCheck]:
+def _at_mid_length(
+    part: Part, section: Section, loads: PartLoads, level: Level
+) -> list[HandComparison]:
     """Axial and bending stress, each at the position where it is largest."""
     first, second = (loads.wrenches[name] for name in part.geometry.interfaces[:2])
     length, height = part.geometry.length, section.depth_in_plane
@@ -49,13 +51,13 @@ def _at_mid_length(part: Part, section: Section, loads: PartLoads, level: Level)
         mean, _ = _beam_stress(level, worst, middle, height / 4)
         said = f"F/A = {axial[worst]:.0f} N / {section.area:.1f} mm2, {_OWN}"
         value = float(axial[worst] / section.area)
-        checks.append(HandCheck("axial stress at mid-length", value, mean, "MPa", said))
+        checks.append(HandComparison("axial stress at mid-length", value, mean, "MPa", said))
     if by_moment.max() > _SMALL * by_axial.max():
         (worst,) = first_largest(by_moment)
         _, slope = _beam_stress(level, worst, middle, height / 4)
         said = f"M h/(2 I), M = {abs(moment[worst]) / 1e3:.3g} N m, {_OWN}"
         value, bent = float(by_moment[worst]), abs(slope) * height / 2
-        checks.append(HandCheck("bending stress at mid-length", value, bent, "MPa", said))
+        checks.append(HandComparison("bending stress at mid-length", value, bent, "MPa", said))
     return checks
 
 
@@ -90,7 +92,7 @@ def _beam_stress(level: Level, position: int, place: float, window: float) -> tu
     return float(found[0]), float(found[1])
 
 
-def _at_named_places(part: Part, loads: PartLoads, level: Level) -> list[HandCheck]:
+def _at_named_places(part: Part, loads: PartLoads, level: Level) -> list[HandComparison]:
     """Von Mises stress where the rung `formula` has most of it at each of its named places.
 
     A formula places a peak at a nominal section; the solid's is the largest at the same position on
@@ -117,7 +119,7 @@ def _at_named_places(part: Part, loads: PartLoads, level: Level) -> list[HandChe
         (position,) = first_largest(one.peaks_by_position()[0])
         where = ", ".join(number(float(x) + 0.0) for x in np.round(place, 3))
         checks.append(
-            HandCheck(
+            HandComparison(
                 f"peak von Mises stress by formula: {name}",
                 float(peaks[point[0]]),
                 float(von_mises(level.history.at(position))[away <= reach].max()),

@@ -147,6 +147,7 @@ class Ladder:
                     SOLID,
                     f"no time: about {cost:.0f} s, {max(left, 0.0):.0f} s are left; it may settle "
                     f"{', '.join(climb.open)}",
+                    cost,
                 )
                 self._settle(name)
                 return

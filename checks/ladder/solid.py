@@ -37,10 +37,11 @@ from checks.ladder.part_facts import (
 )
 from checks.ladder.part_fields import solid_fields, with_mode
 from checks.ladder.passing_fits import clearances_that_pass, edges_that_pass, with_assumed_fits
-from checks.models.stress_words import fatigue_words, static_words
+from checks.models.stress_words import fatigue_check, static_check
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
-from checks.result.verdict import Check, Gate, HandCheck, PartResult, Status, Surface
+from checks.result.derivation import HandComparison
+from checks.result.verdict import Check, Gate, PartResult, Status, Surface
 from checks.result.ways import arc_fact
 from checks.store.solutions import remembered
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse
@@ -169,7 +170,7 @@ class SolvedStress:
     sizes: SizeField | None
     stopped: str
     doubts: LoadBars
-    by_hand: Sequence[HandCheck]
+    by_hand: Sequence[HandComparison]
     checks: Sequence[Check]
     bars: Mapping[Judged, Bars]
 
@@ -275,7 +276,7 @@ class _Judgement:
         """The check, without a derivation."""
         return self._of(self.own)
 
-    def derived(self, loaded: LoadedPart, level: Level, by_hand: Sequence[HandCheck]) -> Check:
+    def derived(self, loaded: LoadedPart, level: Level, by_hand: Sequence[HandComparison]) -> Check:
         """The check, with its derivation where it is one of the stress itself."""
         if self.own is None:
             return self.check
@@ -437,29 +438,18 @@ def stress_check(loaded: LoadedPart, level: Stressed, judged: Judged, bars: Bars
     loads = loaded.loads
     more, why = 0.0, ""
     if isinstance(judged, FatigueUse):
-        said = fatigue_words(loaded, level, judged)
+        check = fatigue_check(loaded, level, judged, "solid")
         more, why = judged.band(level)
         rise = fatigue_rise(level, loads, judged)
     else:
-        said = static_words(loaded, level)
+        check = static_check(loaded, level, "solid")
         rise = static_rise(level, loads)
-    check = Check(
-        part=loaded.part.name,
-        kind=said.kind,
-        quantity=said.quantity,
-        value=judged.value(level),
-        unit="MPa",
+    check = replace(
+        check,
         numerical=bars.numerical.value,
         model=bars.above + more,
         model_below=bars.below,
-        limit=said.limit,
-        required=said.required,
-        cycle=said.cycle,
-        position=said.position,
-        place=level.place_in_words(judged.point(level), loaded.part.geometry.placed_interfaces),
-        method="solid",
-        basis=said.basis,
-        note=". ".join(text for text in (said.note, why, bars.note) if text),
+        note=". ".join(text for text in (check.note, why, bars.note) if text),
     )
     return with_sampling(check, rise)
 

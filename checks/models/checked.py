@@ -35,7 +35,7 @@ from checks.models.bands import (
     walls_known,
 )
 from checks.models.shapes import family_of
-from checks.models.stress_words import Words, fatigue_words, static_words
+from checks.models.stress_words import fatigue_check, static_check
 from checks.part.derived import VALUE, at_value
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
@@ -204,28 +204,12 @@ def rung_estimates(
     loads = loaded.loads
     found: dict[str, Estimate] = {}
     if STATIC in kinds:
-        found[STATIC] = _stress_estimate(
-            loaded,
-            level,
-            static_words(loaded, level),
-            level.peak.value,
-            level.peak.point,
-            static_rise(level, loads),
-            raised_in_bores(loaded, level, None),
-            evened_in(loaded, level, None),
-        )
+        check = with_sampling(static_check(loaded, level, FORMULA), static_rise(level, loads))
+        found[STATIC] = _stress_estimate(loaded, level, check, None)
     if FATIGUE in kinds and use is not None:
-        words = fatigue_words(loaded, level, use)
-        found[FATIGUE] = _stress_estimate(
-            loaded,
-            level,
-            words,
-            use.value(level),
-            use.point(level),
-            fatigue_rise(level, loads, use),
-            raised_in_bores(loaded, level, use),
-            evened_in(loaded, level, use),
-        )
+        check = fatigue_check(loaded, level, use, FORMULA)
+        check = with_sampling(check, fatigue_rise(level, loads, use))
+        found[FATIGUE] = _stress_estimate(loaded, level, check, use)
     load = level.model.buckling if BUCKLING in kinds else None
     if load is not None and load.share > 0.0:
         found[BUCKLING] = _buckling_estimate(loaded, level.model, buckling_rise(loads, load, again))
@@ -233,38 +217,16 @@ def rung_estimates(
 
 
 def _stress_estimate(
-    loaded: LoadedPart,
-    level: RungLevel,
-    words: Words,
-    value: float,
-    point: int,
-    rise: float,
-    in_bores: float,
-    evened: float,
+    loaded: LoadedPart, level: RungLevel, check: Check, use: FatigueUse | None
 ) -> Estimate:
-    part, static, even = loaded.part, words.kind == STATIC, ""
+    evened = evened_in(loaded, level, use)
     if evened:
-        even = uncounted_words(part, loaded.uneven, max(evened, value), static=static)
-    check = Check(
-        part=part.name,
-        kind=words.kind,
-        quantity=words.quantity,
-        value=value,
-        unit="MPa",
-        numerical=0.0,
-        model=0.0,
-        limit=words.limit,
-        required=words.required,
-        cycle=words.cycle,
-        position=words.position,
-        place=level.place_in_words(point, part.geometry.placed_interfaces),
-        method=FORMULA,
-        basis=words.basis,
-        note="; ".join(text for text in (words.note, even) if text),
-    )
+        largest = max(evened, check.value)
+        even = uncounted_words(loaded.part, loaded.uneven, largest, static=use is None)
+        check = replace(check, note="; ".join(text for text in (check.note, even) if text))
     if loaded.loads.is_nothing:
         return Estimate(_told(check, 0.0, 0.0, NOTHING))
-    return _with_band(loaded, level.model, with_sampling(check, rise), in_bores)
+    return _with_band(loaded, level.model, check, raised_in_bores(loaded, level, use))
 
 
 def _buckling_estimate(loaded: LoadedPart, model: RungModel, rise: float) -> Estimate:

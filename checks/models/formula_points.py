@@ -141,10 +141,10 @@ def along_x(values: FloatArray) -> FloatArray:
     return stress
 
 
-def sheared(values: FloatArray, component: int = XY) -> FloatArray:
-    """Stress (k, 6) with these (k,) as one of its shear components."""
+def sheared(values: FloatArray) -> FloatArray:
+    """Stress (k, 6) with these (k,) as shear along y in the section across x, nothing else."""
     stress = np.zeros((len(values), 6))
-    stress[:, component] = values
+    stress[:, XY] = values
     return stress
 
 

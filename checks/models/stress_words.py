@@ -1,10 +1,9 @@
-"""Words beside the number of a stress check, whatever model made it."""
-
-from dataclasses import dataclass
+"""Checks of stress, whatever model made it, before its error bars are known."""
 
 from checks.part.derived import Kind
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
+from checks.result.verdict import Check
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse
 from checks.strength.fatigue_facts import chord_at, plane_at
 from checks.stress.stress_result import Stressed
@@ -59,36 +58,29 @@ FATIGUE = {  # by the criterion that decides
 KINDS = (STATIC, *FATIGUE.values())
 
 
-@dataclass(frozen=True)
-class Words:
-    """Words of a check beside its numbers."""
-
-    kind: str
-    quantity: str
-    limit: float
-    required: float
-    cycle: str
-    position: str
-    basis: str
-    note: str = ""
-
-
-def static_words(loaded: LoadedPart, level: Stressed) -> Words:
-    """Of the largest von Mises stress."""
+def static_check(loaded: LoadedPart, level: Stressed, method: str) -> Check:
+    """The check of the largest von Mises stress, without error bars."""
     part, loads = loaded.part, loaded.loads
-    return Words(
-        STATIC.name,
-        STATIC.quantity,
-        part.material.yield_stress,
-        STATIC.safety(loaded.required),
-        loads.cycle_names[level.peak.position],
-        loads.labels[level.peak.position],
-        f"yield stress, guaranteed minimum ({part.material.source})",
+    return Check(
+        part=part.name,
+        kind=STATIC.name,
+        quantity=STATIC.quantity,
+        value=level.peak.value,
+        unit="MPa",
+        numerical=0.0,
+        model=0.0,
+        limit=part.material.yield_stress,
+        required=STATIC.safety(loaded.required),
+        cycle=loads.cycle_names[level.peak.position],
+        position=loads.labels[level.peak.position],
+        place=level.place_in_words(level.peak.point, part.geometry.placed_interfaces),
+        method=method,
+        basis=f"yield stress, guaranteed minimum ({part.material.source})",
     )
 
 
-def fatigue_words(loaded: LoadedPart, level: Stressed, use: FatigueUse) -> Words:
-    """Of the largest amplitude of equal safety."""
+def fatigue_check(loaded: LoadedPart, level: Stressed, use: FatigueUse, method: str) -> Check:
+    """The check of the largest amplitude of equal safety, without error bars."""
     part = loaded.part
     worst = use.worst(level)
     kind = FATIGUE[worst.criterion]
@@ -118,19 +110,23 @@ def fatigue_words(loaded: LoadedPart, level: Stressed, use: FatigueUse) -> Words
         basis = (
             f"endurance limit, Marin: {part.surface}, {100 * part.reliability:g} % survival; {life}"
         )
-    return Words(
-        kind.name,
-        kind.quantity,
-        use.limit,
-        kind.safety(loaded.required),
-        worst.cycle,
-        " to ".join(_position(loaded.loads, k, worst.cycle) for k in worst.pair),
-        basis,
-        ", ".join(
-            text
-            for text in (f"amplitude {amplitude:.4g} MPa", f"mean {mean:.4g} MPa", note)
-            if text
-        ),
+    said = f"amplitude {amplitude:.4g} MPa", f"mean {mean:.4g} MPa", note
+    return Check(
+        part=part.name,
+        kind=kind.name,
+        quantity=kind.quantity,
+        value=worst.value,
+        unit="MPa",
+        numerical=0.0,
+        model=0.0,
+        limit=use.limit,
+        required=kind.safety(loaded.required),
+        cycle=worst.cycle,
+        position=" to ".join(_position(loaded.loads, k, worst.cycle) for k in worst.pair),
+        place=level.place_in_words(worst.point, part.geometry.placed_interfaces),
+        method=method,
+        basis=basis,
+        note=", ".join(text for text in said if text),
     )
 
 

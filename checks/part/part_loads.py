@@ -106,7 +106,6 @@ class PartLoads:
     wrenches       interface -> (n, 6) N, N mm
     accelerations  (n, 4)
     reaches        interface on which a contact slides -> (n,) mm along x from its centre
-    tilting        N mm, largest couple out of the plane that `tilt_held_at` takes of the forces
     tilt_held_at   interface that takes the couples out of the plane, also those of inertia
     cycles         name -> slice of the n positions
     labels         (n,) where in which cycle, in words
@@ -128,7 +127,6 @@ class PartLoads:
     labels: tuple[str, ...]
     cycle_names: tuple[str, ...]
     reaches: Mapping[str, FloatArray] = field(default_factory=dict)
-    tilting: float = 0.0
     tilt_held_at: str | None = None
     stretch_of: IntArray | None = None
     path: FloatArray | None = None
@@ -269,6 +267,7 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
             f"its loads reach {largest:.3g} N or N mm, at most {_LARGEST:g} can be computed with: "
             "is a unit or an exponent wrong?"
         )
+    _tilt(part, together, {name: np.concatenate(parts) for name, parts in handed.items()})
     return PartLoads(
         together,
         np.concatenate(accelerations),
@@ -276,7 +275,6 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
         tuple(labels),
         tuple(names),
         {name: np.concatenate(parts) for name, parts in reaches.items()},
-        _tilt(part, together, {name: np.concatenate(parts) for name, parts in handed.items()}),
         part.tilt_held_at,
         np.concatenate(stretch_of),
         np.concatenate(path),
@@ -356,19 +354,16 @@ def _handed(
     return np.asarray(np.sum(couples, axis=0))
 
 
-def _tilt(
-    part: Part, wrenches: Mapping[str, FloatArray], handed: Mapping[str, FloatArray]
-) -> float:
+def _tilt(part: Part, wrenches: Mapping[str, FloatArray], handed: Mapping[str, FloatArray]) -> None:
     """Add the couples of forces that act beside the part's middle plane, and what balances them.
 
-    Returns the largest couple, N mm, that the interface which holds the part against tilting takes.
     A force F at height z has the couple z x F: (-z F_y, z F_x) about x and y.
 
     handed  interface -> (n, 2) N mm, couples of a pin that is fixed there
     """
     heights = interface_heights(part)
     if not handed and not any(part.offsets.values()) and not any(heights.values()):
-        return 0.0
+        return
     left = np.zeros((len(next(iter(wrenches.values()))), 2))
     for name, wrench in wrenches.items():
         acts, centre = part.offsets.get(name, 0.0) + heights.get(name, 0.0), heights.get(name, 0.0)
@@ -379,7 +374,6 @@ def _tilt(
         wrenches[name][:, 3:5] += couple
         left += couple
     wrenches[part.tilt_held_at][:, 3:5] -= left
-    return float(np.hypot(left[:, 0], left[:, 1]).max())
 
 
 def interface_heights(part: Part) -> Mapping[str, float]:

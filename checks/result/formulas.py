@@ -364,9 +364,9 @@ def number_text(value: float, digits: int = 4) -> str:
     return number(value, digits).replace("-", "−")
 
 
-def vector_text(value: FloatArray, digits: int = 4) -> str:
+def vector_text(value: FloatArray) -> str:
     """The components of a vector in brackets."""
-    return f"[{', '.join(number_text(float(one), digits) for one in value)}]"
+    return f"[{', '.join(number_text(float(one)) for one in value)}]"
 
 
 def shown_symbol(name: str) -> str:

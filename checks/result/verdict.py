@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 from checks.result.plain_data import plain_fields
 
 if TYPE_CHECKING:
-    from checks.result.derivation import Derivation
+    from checks.result.derivation import Derivation, HandComparison
     from checks.result.live_fields import EncodedPart, LiveFields
     from checks.result.motion import PartsMotion
 
@@ -339,21 +339,6 @@ def deciding_of(checks: Sequence[Check]) -> Check:
     )
 
 
-@dataclass(frozen=True)
-class HandCheck:
-    """A number computed by hand beside the model's, and their largest allowed difference."""
-
-    quantity: str
-    hand: float
-    model: float
-    unit: str
-    formula: str
-
-    def to_dict(self) -> dict[str, Any]:
-        """The comparison as plain data."""
-        return plain_fields(self)
-
-
 @dataclass(frozen=True, eq=False)
 class Surface:
     """Fields on the surface of a part, for pictures and files.
@@ -418,7 +403,7 @@ class PartResult:
     material: str
     checks: Sequence[Check]
     gates: Sequence[Gate]
-    hand_checks: Sequence[HandCheck]
+    hand_checks: Sequence["HandComparison"]
     meshes: Sequence[Mapping[str, Any]]
     facts: Mapping[str, Any]
     charts: Mapping[str, Any]

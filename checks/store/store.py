@@ -71,21 +71,17 @@ class Store:
         packages: Sequence[str],
         inputs: object,
         compute: Callable[[], T],
-        *,
-        keep: Callable[[T], bool] = lambda _: True,
     ) -> T:
         """Return the kept result of equal inputs and equal code, else compute and keep it.
 
         packages  whose code the answer depends on
         inputs    all else that it depends on, as `fingerprints.digest` takes it
-        keep      whether the answer may be kept
         """
         key = Key.of(kind, packages, inputs)
         found = self.get(key)
         if found is None:
             found = (compute(),)
-            if keep(found[0]):
-                self.put(key, found[0])
+            self.put(key, found[0])
         answer: T = found[0]
         return answer
 

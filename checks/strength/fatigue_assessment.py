@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from math import isfinite
 from weakref import WeakKeyDictionary
 
@@ -11,7 +12,13 @@ import fatigue
 from checks.design.strength import FkmStrength
 from checks.part.part_loads import PartLoads
 from checks.strength.finite_life import DutyLife, LifeTask, lives_of, shortest_life
-from checks.strength.fkm_strength import FkmJudgement, fkm_judgement, fkm_points, slopes_of
+from checks.strength.fkm_strength import (
+    FkmJudgement,
+    SlopesAt,
+    fkm_judgement,
+    fkm_points,
+    slopes_of,
+)
 from checks.stress.duty_verdict import WHOLE_DUTY, DutyVerdict, FatiguePeak, duty_runs, duty_verdict
 from checks.stress.judged import Judged, RaisedInBores, Under, direct_under
 from checks.stress.solid_mesh_level import Level
@@ -93,21 +100,6 @@ class FatigueUse(Judged):
         """
         return 0.0, ""
 
-    def over(
-        self,
-        level: Stressed,
-        points: IntArray,
-        coefficients: FloatArray,
-        cycles: Mapping[str, slice],
-    ) -> float:
-        """The quantity at some surface points (n,) over other positions, MPa.
-
-        coefficients  (n_basis, m) of the unit loads
-        cycles        name -> slice of the m positions
-        """
-        duty = self._duty_over(level, points, level.judged_duty.basis[points], coefficients, cycles)
-        return self._again(level, points, duty)
-
     def anew(
         self,
         level: Stressed,
@@ -118,42 +110,27 @@ class FatigueUse(Judged):
         states: FloatArray | None = None,
     ) -> float:
         """The quantity at some surface points (n,) with another history, MPa."""
-        cycles = self.loads.cycles if cycles is None else cycles
-        duty = self._duty_over(level, points, basis, coefficients, cycles)
-        return self._again(level, points, duty, states)
-
-    def _again(
-        self,
-        level: Stressed,
-        points: IntArray,
-        duty: DutyVerdict,
-        states: FloatArray | None = None,
-    ) -> float:
-        """The quantity at some surface points (n,) of a level, over a duty of theirs, MPa.
-
-        states  as `anew` has them
-        """
-        return duty.peak.value
-
-    def _duty_over(
-        self,
-        level: Stressed,
-        points: IntArray,
-        basis: FloatArray,
-        coefficients: FloatArray,
-        cycles: Mapping[str, slice],
-    ) -> DutyVerdict:
-        duty = level.judged_duty
-        found = duty_verdict(
-            basis,
-            coefficients,
-            duty.limits[points],
-            duty.limit,
-            duty.ultimate,
-            duty_runs(cycles, [name for name in duty.runs if name in cycles]),
-        )
+        cycles, duty = self.loads.cycles if cycles is None else cycles, level.judged_duty
+        runs = duty_runs(cycles, [name for name in duty.runs if name in cycles])
+        limits = duty.limits[points]
+        found = duty_verdict(basis, coefficients, limits, duty.limit, duty.ultimate, runs)
         assert found is not None
-        return found
+
+        @cache
+        def of_solid() -> SlopesAt:
+            return slopes_of(_solid(level).solutions)
+
+        def slopes(some: IntArray) -> FloatArray:
+            own = of_solid()(points[some])
+            if states is not None:
+                own = own @ states
+            return np.pad(own, ((0, 0), (0, 0), (0, basis.shape[2] - own.shape[2])))
+
+        return self._of_duty(found, slopes)
+
+    def _of_duty(self, duty: DutyVerdict, slopes: SlopesAt) -> float:
+        """The quantity over a duty, and the slopes of its basis into the part, MPa."""
+        return duty.peak.value
 
     def safety_missed(self, level: Stressed) -> float:
         """How far from 1 the safety is that all loads times the safety leave."""
@@ -206,13 +183,7 @@ class LifeUse(FatigueUse):
         value = self.limit / life.safety
         return FatiguePeak(value, life.point, WHOLE_DUTY, life.pair, "Miner")
 
-    def _again(
-        self,
-        level: Stressed,
-        points: IntArray,
-        duty: DutyVerdict,
-        states: FloatArray | None = None,
-    ) -> float:
+    def _of_duty(self, duty: DutyVerdict, slopes: SlopesAt) -> float:
         return self.limit / shortest_life(duty, self.task).safety
 
     def safety_missed(self, level: Stressed) -> float:
@@ -304,24 +275,9 @@ class FkmUse(FatigueUse):
         used = [found.utilisation_between(stress[..., k]) for k in range(len(numbers))]
         return [float(one.max()) * self.strength.reference for one in used]
 
-    def _again(
-        self,
-        level: Stressed,
-        points: IntArray,
-        duty: DutyVerdict,
-        states: FloatArray | None = None,
-    ) -> float:
-        solid = slopes_of(_solid(level).solutions)
-
-        def slopes(some: IntArray) -> FloatArray:
-            own = solid(points[some])
-            if states is not None:
-                own = own @ states
-            beside = duty.basis.shape[2] - own.shape[2]
-            return np.pad(own, ((0, 0), (0, 0), (0, beside)))
-
-        found = fkm_judgement(self.strength, duty.basis, duty.coefficients, duty.runs, slopes)
-        return found.demand
+    def _of_duty(self, duty: DutyVerdict, slopes: SlopesAt) -> float:
+        worst = fkm_judgement(self.strength, duty.basis, duty.coefficients, duty.runs, slopes)
+        return worst.demand
 
     def safety_missed(self, level: Stressed) -> float:
         """How far from 1 the safety is that all loads times the safety leave."""

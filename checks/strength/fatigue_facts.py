@@ -5,7 +5,6 @@ from math import inf, isfinite
 import numpy as np
 
 import fatigue
-from checks.design.data import Part
 from checks.stress.duty_verdict import FatiguePeak, widest
 from checks.stress.stress_result import Stressed
 from fatigue.proportionality import PROPORTIONAL
@@ -81,41 +80,6 @@ def fatigue_facts(level: Stressed, peak: FatiguePeak) -> dict[str, float | str]:
             f"{plane_at(level, peak)}; safety for infinite life {_safety(used)}"
         )
     return facts
-
-
-def haigh_of(
-    part: Part, level: Stressed, peak: FatiguePeak, most_used: int = 300
-) -> dict[str, object]:
-    """Plain data of the Haigh diagram: the critical point, its path, and the most used points."""
-    verdict = level.judged_duty.worst
-    amplitude, mean = chord_at(level, peak)
-    order = np.argsort(-verdict.goodman_bound, kind="stable")[:most_used]
-    cloud = fatigue.goodman(
-        level.history.basis[order],
-        level.judged_duty.path,
-        level.limits[order],
-        part.material.ultimate_stress,
-    )
-    return {
-        "cycle": peak.cycle,
-        "criterion": peak.criterion,
-        "pair": [int(k) for k in peak.pair],
-        "along": _along(level, peak).tolist(),
-        "mean": mean,
-        "amplitude": amplitude,
-        "endurance": float(level.limits[peak.point]),
-        "ultimate": part.material.ultimate_stress,
-        "yield": part.material.yield_stress,
-        "cloud": np.stack([cloud.mean, cloud.amplitude], axis=1).tolist(),
-    }
-
-
-def _along(level: Stressed, peak: FatiguePeak) -> FloatArray:
-    """Stress of the critical point along the chord of its deciding pair, over the deciding path."""
-    run = path_of(level, peak)
-    first, second = (int(np.flatnonzero(run == k)[0]) for k in peak.pair)
-    path = np.ascontiguousarray(level.coefficients[:, run])
-    return fatigue.chord_path(level.history.basis[peak.point], path, (first, second)).along
 
 
 def _safety(utilisation: float) -> str:

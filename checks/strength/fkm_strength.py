@@ -21,7 +21,7 @@ the worst a_BK found.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf
 
 import numpy as np
@@ -75,7 +75,6 @@ class FkmJudgement:
     gradient     1/mm, related gradient
     limit        sigma_WK at the point, with its factors
     width        of the point's path, see `fatigue.PathBounds`
-    n_judged     points whose support was needed, over all paths
     """
 
     strength: FkmStrength
@@ -87,7 +86,6 @@ class FkmJudgement:
     gradient: float
     limit: fatigue.ComponentLimit
     width: float
-    n_judged: int
 
     @property
     def utilisation(self) -> float:
@@ -170,24 +168,20 @@ def fkm_judgement(
     coefficients: FloatArray,
     runs: Mapping[str, IntArray],
     slopes: SlopesAt,
-    bounds: Mapping[str, fatigue.PathBounds] | None = None,
 ) -> FkmJudgement:
     """Return the judgement of the worst point over some paths; of equal paths the first.
 
     basis (n_points, 6, n_basis), MPa per unit; coefficients (n_basis, n) over all positions
     runs    name -> (n,) positions that are judged as one closed path, at least one
-    bounds  of the paths, where they are known already
     """
     if not runs:
         raise ValueError("FKM's chain needs at least one cycle to judge")
     worst: FkmJudgement | None = None
-    judged = 0
     for name, run in runs.items():
         path = np.ascontiguousarray(coefficients[:, run])
-        bound = bounds[name] if bounds else fatigue.path_bounds(basis, path, 0.0)
+        bound = fatigue.path_bounds(basis, path, 0.0)
         floor = -inf if worst is None else worst.utilisation
         for found in _governing(strength, basis, path, slopes, bound, floor):
-            judged += len(found.points)
             (row,) = first_largest(found.utilisation)
             if worst is not None and found.utilisation[row] <= worst.utilisation:
                 continue
@@ -202,10 +196,9 @@ def fkm_judgement(
                 gradient=float(found.gradient[row]),
                 limit=strength.limit(float(found.gradient[row])),
                 width=float(bound.width[found.points[row]]),
-                n_judged=0,
             )
     assert worst is not None  # the first path has at least one point
-    return replace(worst, n_judged=judged)
+    return worst
 
 
 def fkm_points(

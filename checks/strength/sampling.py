@@ -436,7 +436,8 @@ def fatigue_rise(level: Stressed, loads: PartLoads, use: FatigueUse) -> float:
     }
     runs = {name: slice(starts[name], stops[name]) for name in loads.cycles}
     states = np.ascontiguousarray(places.on(_level_curves(level, loads)).T)
-    found = use.over(level, points, states, runs)
+    basis = level.judged_duty.basis[points]
+    found = use.anew(level, points, basis, states, runs)
     return max(0.0, found - use.value(level)) if isfinite(found) else 0.0
 
 

@@ -9,7 +9,6 @@ docs/theory/contact.md, "Along the pin", derives it.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -42,40 +41,6 @@ class LineLoad:
     def intensity(self, lug: int) -> FloatArray:
         """Line load (n,), N/mm, at the nodes of a lug's hats."""
         return np.asarray(self.forces[lug] / self.hats[lug].lengths)
-
-    def unevenness(self, lug: int, inside: float = 0.0) -> float:
-        """Largest line load of a lug over its mean, at least `inside` mm from its faces.
-
-        In the middle of a lug that is less than twice as wide.
-        """
-        one = self.lugs[lug]
-        inside = min(inside, one.width / 2)
-        nodes, values = self.hats[lug].nodes, self.intensity(lug)
-        ends = np.array([one.low + inside, one.high - inside])
-        kept = values[(nodes > ends[0]) & (nodes < ends[1])]
-        most = max(kept.max(initial=0.0), *np.interp(ends, nodes, values))
-        return float(most * one.width / one.size)
-
-    def shift(self, lug: int) -> float:
-        """Place of the resultant of a lug, mm from its middle."""
-        one = self.lugs[lug]
-        at = self.forces[lug] @ self.hats[lug].places / self.forces[lug].sum()
-        return float(at - (one.low + one.high) / 2)
-
-    def moment(self, places: FloatArray) -> FloatArray:
-        """Bending moment (m, 2) at places along the pin, N mm: forces times their distance."""
-        found = np.zeros((len(places), 2))
-        for lug, hats, forces in zip(self.lugs, self.hats, self.forces, strict=True):
-            direction = np.array(lug.force) / lug.size
-            found += np.outer(forces @ hats.beyond(places, 1), direction)
-        return found
-
-    @cached_property
-    def largest_moment(self) -> float:
-        """Largest bending moment of the pin, N mm."""
-        low, high = self.bar.cuts[0], self.bar.cuts[-1]
-        places = np.unique(np.r_[np.linspace(low, high, 201), *(h.nodes for h in self.hats)])
-        return float(np.hypot(*self.moment(places).T).max())
 
 
 def line_load(

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from checks.result.verdict import DesignResult, PartResult
 from reports.charts.buckling import buckling_chart
 from reports.charts.chart import Charts, gathered
-from reports.charts.cycles import curves_chart, cycle_charts
+from reports.charts.cycles import cycle_charts
 from reports.charts.haigh import haigh_chart
 from reports.charts.ladder import convergence_chart, ladder_chart
 from reports.charts.sn import sn_chart
@@ -14,7 +14,6 @@ from reports.charts.sn import sn_chart
 __all__ = [
     "Charts",
     "DesignCharts",
-    "curves_chart",
     "cycle_charts",
     "design_charts",
     "part_charts",

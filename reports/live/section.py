@@ -10,13 +10,7 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from checks.result.live_fields import (
-    EncodedPart,
-    LiveFields,
-    grey,
-    von_mises,
-    with_required_safety,
-)
+from checks.result.live_fields import EncodedPart, LiveFields, grey, von_mises, with_required_safety
 from checks.result.motion import PartsMotion, motion_gaps
 from checks.result.verdict import Check, DesignResult, PartResult, Surface, deciding_of
 from checks.result.words import brief, clean, number, place_text

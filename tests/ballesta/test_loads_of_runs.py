@@ -66,7 +66,7 @@ def test_the_run_is_shown_as_text_json_and_page(folder, command):
     page = (folder / "out" / "crank" / "loads.html").read_text()
     assert '<section id="run-1">' in page
     assert 'class="mechanism"' not in page
-    assert "Forces on the bodies" in page
+    assert "forces on the bodies" in page
     (run,) = json.loads(command("loads", str(file), "--json", out=folder).stdout)["runs"]
     assert run["name"] == "run"
     assert run["points"][0]["extremes"][0]["mean"] is not None

@@ -324,8 +324,6 @@ def test_along_its_chord_a_uniaxial_stress_is_itself(history):
     result = goodman(basis, coefficients, 200.0, 400.0)
     path = critical_path(result, basis, coefficients)
     assert_allclose(path.along, history, rtol=ROUND_OFF)
-    assert_allclose(path.largest, np.maximum(history, 0.0), atol=1e-12)
-    assert_allclose(path.smallest, np.minimum(history, 0.0), atol=1e-12)
 
 
 def test_the_chord_path_spans_the_amplitude_and_repeats_the_verdict():

@@ -203,18 +203,3 @@ def test_a_result_that_is_not_its_product_is_refused():
         EnduranceLimit(200.0, 300.0, 0.5, 1.0, 1.0, 1.0, 1.0)
     with pytest.raises(ValueError, match="at most at 1"):
         EnduranceLimit(360.0, 300.0, 1.2, 1.0, 1.0, 1.0, 1.0)
-
-
-def test_fretting_divides_the_limit_and_stands_among_the_factors():
-    """A clamped leaf with 1.3: k_f = 1/1.3."""
-    free = endurance_limit(430.0, "machined")
-    clamped = endurance_limit(430.0, "machined", fretting=1.3)
-    assert free.fretting == 1.0
-    assert clamped.fretting == pytest.approx(1 / 1.3)
-    assert clamped.value == pytest.approx(free.value / 1.3, rel=1e-12)
-
-
-@pytest.mark.parametrize("fretting", [0.9, 0.0, -1.3, math.nan, math.inf])
-def test_fretting_that_would_strengthen_is_refused(fretting):
-    with pytest.raises(ValueError, match=r"fretting factor, .* must be at least 1"):
-        endurance_limit(430.0, "machined", fretting=fretting)

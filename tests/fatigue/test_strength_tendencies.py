@@ -83,13 +83,6 @@ def test_a_more_reliable_part_never_lives_longer(strength, amplitude, survive):
     assert lives[1] <= lives[0] * KEEP
 
 
-@COMMON
-@given(STRENGTH, AMPLITUDE, pair(1.0, 4.0))
-def test_more_fretting_never_lengthens_life(strength, amplitude, fretting):
-    lives = [marin_life(strength, amplitude, fretting=factor) for factor in fretting]
-    assert lives[1] <= lives[0] * KEEP
-
-
 def beside_an_elliptic_hole(group, strength, amplitude, radius, depth):
     """Life where K_t = 1 + 2 sqrt(a/r) (Inglis) and G = (2 + 1/K_t)/r (from Muskhelishvili)."""
     factor = 1.0 + 2.0 * (depth / radius) ** 0.5

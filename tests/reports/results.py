@@ -5,7 +5,8 @@ from math import inf
 
 import numpy as np
 
-from checks.result.verdict import Check, DesignResult, Gate, HandCheck, PartResult, Surface
+from checks.result.derivation import HandComparison
+from checks.result.verdict import Check, DesignResult, Gate, PartResult, Surface
 
 HOSTILE = "<script>alert('x')</script>\"&$\\frac{1}{0}$ \x1b[31m\u202e😀"
 
@@ -87,7 +88,7 @@ def part(name="bar_upper", checks=(PASSING,), **changes):
     values = {
         "name": name, "shape": "toggle_bar", "material": "S355", "checks": list(checks),
         "gates": [Gate("reaction residual", 1e-9, 1e-6, "unbalanced share of the loads")],
-        "hand_checks": [HandCheck("axial stress", 40.0, 42.0, "MPa", "F / A")],
+        "hand_checks": [HandComparison("axial stress", 40.0, 42.0, "MPa", "F / A")],
         "meshes": [
             {"fineness": 1.0, "unknowns": 30123, "elements": 7000, "peak": 138.2, "seconds": 1.2},
             {"fineness": 0.7, "unknowns": 81234, "elements": 20000, "peak": 141.0, "seconds": 4.0},

@@ -10,7 +10,8 @@ from itertools import pairwise
 
 import pytest
 
-from checks.result.verdict import Gate, HandCheck
+from checks.result.derivation import HandComparison
+from checks.result.verdict import Gate
 from reports.page import report_html, write_report
 from reports.page_parts import alike_parts, ratio
 from reports.pictures import Pictures
@@ -266,7 +267,7 @@ def test_facts_are_written_by_their_kind():
 
 
 def test_a_hand_check_of_zero_has_no_ratio():
-    assert ratio(HandCheck("moment", 0.0, 1.0, "N mm", "0")) == "–"
+    assert ratio(HandComparison("moment", 0.0, 1.0, "N mm", "0")) == "–"
 
 
 OUTCOMES = {

@@ -6,11 +6,7 @@ from checks.design.data import Part
 from checks.handbook.lug_stress import Lug, strip_outline
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
 from checks.models.bands import tilting_couple
-from checks.models.formula_bars import (
-    BarPart,
-    Stretches,
-    add_rectangle_fibres,
-)
+from checks.models.formula_bars import BarPart, Stretches, add_rectangle_fibres
 from checks.models.formula_lugs import add_bore, strip_edges
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads

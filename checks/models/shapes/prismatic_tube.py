@@ -6,12 +6,7 @@ from math import pi, sqrt
 import numpy as np
 
 from checks.design.data import Part
-from checks.models.formula_bars import (
-    BarPart,
-    SectionForces,
-    Stretches,
-    add_tube_fibres,
-)
+from checks.models.formula_bars import BarPart, SectionForces, Stretches, add_tube_fibres
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel

@@ -23,12 +23,7 @@ from checks.handbook.lateral_buckling import (
 )
 from checks.handbook.lug_stress import Lug, bent_plate_hole, curved_bar, stepped_bar, strip_outline
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
-from checks.models.formula_bars import (
-    Aside,
-    BarPart,
-    Stretches,
-    add_rectangle_fibres,
-)
+from checks.models.formula_bars import Aside, BarPart, Stretches, add_rectangle_fibres
 from checks.models.formula_lugs import add_bore, strip_edges
 from checks.models.formula_points import Points, along_x, in_section
 from checks.models.shape_model import ShapeModel

@@ -52,7 +52,8 @@ def test_the_example_of_the_document_runs(tmp_path):
     assert "to rest by the brake at crank.angle = 200 deg:" in said
     assert "in the steady run" in said
     assert "stands in the duty but is not closed" not in said
-    turn, *events = (_chart(cycle) for cycle in result.cycles)
+    charts = (_chart(index, cycle) for index, cycle in enumerate(result.cycles))
+    turn, *events = (chart.svg for (chart,) in charts)
     assert all("time [s]" in chart and "crank.angle [deg]" not in chart for chart in events)
     assert "time [s]" not in turn
 

@@ -104,7 +104,10 @@ def test_a_list_of_bands_is_refused(tmp_path):
         (b"[" * 100_000, "is no JSON text in UTF-8"),
         (b'{"format": NaN}', "NaN is no number of JSON"),
         (b"[]", "format: must be 'ballesta-baseline/2', got []"),
-        (b'{"format": "ballesta-baseline/1"}', "got 'ballesta-baseline/1'; write it anew"),
+        (
+            b'{"format": "ballesta-baseline/1"}',
+            "got 'ballesta-baseline/1'; delete it and write anew",
+        ),
         (b'{"format": "ballesta-baseline/2"}', "parts: must be a table, got None"),
     ],
 )

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from ballesta.commands.batch_command import Search, run_until
+from ballesta.commands.batch_command import Wanted, run_until
 from ballesta.sweeps.threshold_search import search_passing, until_pass, until_text
 from checks.design.effort import Effort
 from checks.design.errors import DesignError, NumericsError
@@ -332,8 +332,13 @@ def test_the_design_is_really_checked_without_a_check_of_one_s_own(file):
 
 
 def command(file, out, *sweeps, **options):
-    given = {"fidelity": "formula", "overrides": ("duty.cycles.turn=1",), **options}
-    return run_until([file], sweeps, Search(out, **given))
+    given = {
+        "until": "pass",
+        "fidelity": "formula",
+        "overrides": ("duty.cycles.turn=1",),
+        **options,
+    }
+    return run_until([file], Wanted(out, sweeps=sweeps, **given))
 
 
 THICK = "parts.rod.thickness = 1, 4, 8, 16 mm"
@@ -411,7 +416,7 @@ def test_a_design_that_is_edited_during_its_search_gives_no_answer_and_spoils_no
     [
         ((THICK, "material = S275, S355"), {}, "--until: needs one --sweep, got 2"),
         ((), {}, "--until: needs one --sweep, got 0"),
-        ((THICK,), {"unused": ("--sample", "--jobs")}, "leave out --sample, --jobs"),
+        ((THICK,), {"sample": 3, "jobs": 2}, "leave out --sample, --jobs"),
         ((THICK,), {"until": "fail"}, "must be pass"),
         ((THICK,), {"until": "pass of "}, "must be pass"),
         ((THICK,), {"until": "pass of rood"}, "did you mean rod"),
@@ -431,8 +436,8 @@ def test_a_search_that_is_not_understood_is_exit_code_2(
 def test_a_bad_design_costs_itself_alone(file, tmp_path, capsys):
     bad = tmp_path / "bad.toml"
     bad.write_text("not toml", encoding="utf-8")
-    wanted = Search(tmp_path / "out", fidelity="formula", overrides=("duty.cycles.turn=1",))
-    assert run_until([bad, file], [THICK], wanted) == 2
+    given = {"until": "pass", "fidelity": "formula", "overrides": ("duty.cycles.turn=1",)}
+    assert run_until([bad, file], Wanted(tmp_path / "out", sweeps=(THICK,), **given)) == 2
     captured = capsys.readouterr()
     (written,) = (tmp_path / "out").glob("*/until.json")
     assert json.loads(written.read_text())["file"] == str(file)

@@ -174,6 +174,7 @@ def test_without_time_no_solid_is_begun_and_what_it_would_settle_is_told(tmp_pat
     assert part.meshes == []
     assert part.rungs[-1].why.startswith("no time")
     assert part.rungs[-1].why.endswith("it may settle static")
+    assert "let a solid judge it" in [way.text for way in result.ways]
     assert any("it may settle static" in text for text in result.warnings)
     assert result.status is Status.UNDECIDED
     assert "--within 0.001s" in result.command

@@ -173,5 +173,8 @@ def test_points_that_cannot_be_the_worst_are_never_judged():
     basis, slope = points_of(*[(size, 0, 0) for size in sizes])
     path = np.array([[-1.0, 1.0, -0.5, 0.5], [1.0] * 4])
     runs = {"a": np.arange(2), "b": np.arange(2, 4)}
-    found = fkm_judgement(STRENGTH, basis, path, runs, lambda rows: slope[rows])
-    assert (found.point, found.run, found.n_judged) == (0, "a", 64)
+    asked = []
+    found = fkm_judgement(
+        STRENGTH, basis, path, runs, lambda rows: asked.extend(rows) or slope[rows]
+    )
+    assert (found.point, found.run, len(asked)) == (0, "a", 64)
