@@ -395,8 +395,8 @@ class DesignFile(Table):
     require: Requirements = Field(default=Requirements.model_validate({}))
     load_factor: Positive = Field(
         1.0,
-        description="factor on all loads of parts and of the linkage, inertia included; motion, "
-        "drives and contacts of the linkage are found without it",
+        description="factor on all loads of parts, of cylinders and of the linkage, weight and "
+        "inertia included; motion, drives and contacts of the linkage are found without it",
     )
     gravity: Acceleration2 = Field(
         "0, -9.81 m/s2", validate_default=True, description="in the ground frame"
