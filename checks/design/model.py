@@ -269,8 +269,8 @@ class BodyPartEntry(PartEntry):
     )
     tilt_held_at: str | None = Field(
         None,
-        description="interface that takes the couples which the offsets leave; else one without an "
-        "offset, on the ground if there is one",
+        description="interface that takes the couples which the offsets leave, and holds the twist "
+        "of a part that buckles; else one without an offset, on the ground if there is one",
     )
 
 
