@@ -52,7 +52,7 @@ def _equivalent_diameter(part: Part) -> float:
 
 
 def beyond_size_data(part: Part) -> str | None:
-    """What a part's size factor takes for granted beyond the end of its data; None within them."""
+    """Assumption of a part's size factor beyond the end of its data; None within them."""
     if part.fkm is not None or part.geometry.stressed_evenly:
         return None
     diameter, end = _equivalent_diameter(part), LARGEST_SIZE
