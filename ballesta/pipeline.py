@@ -2,7 +2,7 @@
 
 import platform
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import date
@@ -53,6 +53,7 @@ from checks.result.verdict import Check, DesignResult, PartResult
 from checks.result.ways import ways_out
 from checks.store.store import Store
 from checks.strength.load_doubts import with_doubts
+from checks.strength.part_strength import beyond_size_data
 from checks.stress.solid_mesh_level import Models
 from fem.solvers import SolverError, chosen_solver
 from fem.threads import keep_freed_memory, one_thread, policy
@@ -368,16 +369,17 @@ def _assumed_by_design(design: Design) -> list[str]:
     return [pair[0] for pair in design.assumed if pair not in ours]
 
 
-def _assumed_here(design: Design) -> list[tuple[str, str]]:
-    if design.friction or not design.cycles:
-        return []
-    return [
-        (
+def _assumed_here(design: Design) -> Iterator[tuple[str, str]]:
+    if design.cycles and not design.friction:
+        yield (
             "friction",
             "none is stated: pins and guides are taken without friction; it changes the forces and "
             "bends the parts by its couples",
         )
-    ]
+    for part in design.parts.values() if design.duty.cycles else ():
+        beyond = beyond_size_data(part)
+        if beyond is not None:
+            yield f"parts.{part.name}.strength", beyond
 
 
 def _cycle_data(

@@ -25,6 +25,7 @@ SURFACES = {
 # Eq. (6-26); torsion is 1 because stresses are compared in the von Mises norm (0.59 otherwise).
 LOADS = {"bending": 1.0, "axial": 0.85, "torsion": 1.0}
 
+LARGEST_SIZE = 254.0  # mm, equivalent diameter at which the data of the size factor end
 LARGEST_SPECIMEN_LIMIT = 700.0  # MPa, eq. (6-8): where 0.5 * ultimate stops to hold
 HOTTEST = 537.8  # deg C, 1000 deg F: end of eq. (6-27)
 
@@ -117,7 +118,7 @@ def size_factor(equivalent_diameter: float) -> float:
 
     (d/7.62)**-0.107 up to 51 mm, 1.51 d**-0.157 above; there the book jumps down by 0.2 %.
     Below 7.62 mm, the diameter of the specimen, the book goes on above 1 (1.11 at 2.79 mm): here
-    the factor is 1. Above 254 mm, the end of the data, the same curve continues downwards.
+    the factor is 1. Above `LARGEST_SIZE`, the end of the data, the same curve continues downwards.
     """
     _above_zero("equivalent diameter", equivalent_diameter, "mm")
     if equivalent_diameter > 51.0:

@@ -1,8 +1,8 @@
 """Linear buckling of a solid part with the end conditions of a link, not those of the stress hold.
 
 The pins are hinges about their own axis: at each interface the mean displacement is held, in the
-plane of the mechanism the part may turn at both ends, about its own axis it may not turn at the
-first. Out of plane the ends are as stiff as their forks; both bounds are computed, ends free to
+plane of the mechanism the part may turn at both ends, about its own axis it may not turn at
+one. Out of plane the ends are as stiff as their forks; both bounds are computed, ends free to
 tilt and ends that cannot (docs/theory/buckling.md). A pin's pressure does not turn with its bore:
 its push goes through its axis.
 
@@ -12,6 +12,7 @@ load and tension gives no positive factor; that no lower one was skipped is prov
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -87,22 +88,25 @@ def part_buckling(
     coefficients: FloatArray,
     *,
     tilt_held: bool,
+    twist_held_at: str | None = None,
     count: int = 2,
     prove: bool = True,
     weaker: bool = False,
 ) -> Buckling:
     """Return the buckling of a part held by its pins, under one load state.
 
-    coefficients  (n_basis,) of the unit loads
-    tilt_held     True if the forks hold the ends against tilting out of the plane
-    count         how many modes are wanted at most
-    prove         True if it is proven that no lower mode was skipped
-    weaker        True if a proof of less will do where that fails: `proven` is then below the modes
+    coefficients   (n_basis,) of the unit loads
+    tilt_held      True if the forks hold the ends against tilting out of the plane
+    twist_held_at  as `link_solid` has it
+    count          how many modes are wanted at most
+    prove          True if it is proven that no lower mode was skipped
+    weaker         True if a proof of less will do where that fails: `proven` is then below the
+                   modes
 
     Raises SolverError if the modes do not converge or cannot be proven, ValueError for the tied
     bodies of a stack, whose leaves buckle by themselves, and for half of a part.
     """
-    solid = link_solid(solutions, tilt_held=tilt_held, what="buckling")
+    solid = link_solid(solutions, tilt_held=tilt_held, twist_held_at=twist_held_at, what="buckling")
     displacement = solutions.displacement @ coefficients
     stress = solutions.recovery.quadrature_stress(displacement[:, None], slice(None))[..., 0]
     pins = pins_pressing(solutions, coefficients)
@@ -247,7 +251,12 @@ def _mode(factor: float, vector: FloatArray) -> BucklingMode:
 
 
 def worst_buckling(
-    solutions: UnitSolutions, coefficients: FloatArray, starts: Sequence[int], *, tilt_held: bool
+    solutions: UnitSolutions,
+    coefficients: FloatArray,
+    starts: Sequence[int],
+    *,
+    tilt_held: bool,
+    twist_held_at: str | None = None,
 ) -> tuple[int, Buckling] | None:
     """Return the position with the lowest factor found and its modes; None where none buckles.
 
@@ -257,12 +266,23 @@ def worst_buckling(
     measure = solutions.basis.reshape(-1, len(coefficients))  # stress at the surface
     for state in leading_states(measure, coefficients):
         for sign in (1.0, -1.0):
-            one = part_buckling(solutions, sign * state, tilt_held=tilt_held, prove=False)
+            one = part_buckling(
+                solutions,
+                sign * state,
+                tilt_held=tilt_held,
+                twist_held_at=twist_held_at,
+                prove=False,
+            )
             fields.append(_fields(solutions, one))
     solved: dict[int, Buckling] = {}
 
     def solve(position: int) -> tuple[float, FloatArray]:
-        found = buckling_at(solutions, coefficients[:, position], tilt_held=tilt_held)
+        found = buckling_at(
+            solutions,
+            coefficients[:, position],
+            tilt_held=tilt_held,
+            twist_held_at=twist_held_at,
+        )
         solved[position] = found
         return (1 / found.modes[0].factor if found.modes else 0.0), _fields(solutions, found)
 
@@ -279,7 +299,13 @@ def _fields(solutions: UnitSolutions, found: Buckling) -> FloatArray:
     return np.column_stack([none, *(mode.shape.ravel() for mode in found.modes)])
 
 
-def mesh_bar(solutions: UnitSolutions, state: FloatArray, known: Sequence[BucklingMode]) -> float:
+def mesh_bar(
+    solutions: UnitSolutions,
+    state: FloatArray,
+    known: Sequence[BucklingMode],
+    *,
+    twist_held_at: str | None = None,
+) -> float:
     """How much a part's share of its buckling load may be off by its mesh, over the share.
 
     state  (n_basis,) of the unit loads; the ends are free to tilt
@@ -291,7 +317,14 @@ def mesh_bar(solutions: UnitSolutions, state: FloatArray, known: Sequence[Buckli
     """
     modes = known
     try:
-        seen = part_buckling(solutions, state, tilt_held=False, count=_SEEN, prove=False).modes
+        seen = part_buckling(
+            solutions,
+            state,
+            tilt_held=False,
+            twist_held_at=twist_held_at,
+            count=_SEEN,
+            prove=False,
+        ).modes
         modes = seen if len(seen) > len(known) else known
     except SolverError:
         pass
@@ -304,17 +337,26 @@ def mesh_bar(solutions: UnitSolutions, state: FloatArray, known: Sequence[Buckli
     return float(max(most) * known[0].factor - 1)
 
 
-def buckling_at(solutions: UnitSolutions, state: FloatArray, *, tilt_held: bool) -> Buckling:
+def buckling_at(
+    solutions: UnitSolutions,
+    state: FloatArray,
+    *,
+    tilt_held: bool,
+    twist_held_at: str | None = None,
+) -> Buckling:
     """Modes of a position, proven where that can be done.
 
     Far beyond any stress that a metal bears, such as of a part that is pulled, modes are many and
     the search may not find what the count does: then they stand without proof (`proven` is 0).
     Raises SolverError where none is found and it is not proven that there is none.
     """
+    found_with = partial(
+        part_buckling, solutions, state, tilt_held=tilt_held, twist_held_at=twist_held_at
+    )
     try:
-        return part_buckling(solutions, state, tilt_held=tilt_held, weaker=True)
+        return found_with(weaker=True)
     except SolverError:
-        found = part_buckling(solutions, state, tilt_held=tilt_held, prove=False)
+        found = found_with(prove=False)
         if not found.modes:
             raise
         return found

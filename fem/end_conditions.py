@@ -5,6 +5,7 @@ modes R of a part that nothing fixes, K u + C' m = f, C u = 0 needs only solves 
 stiffness and a dense system as small as C (docs/theory/buckling.md).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,8 +15,9 @@ import scipy
 from fem.assembly import Pattern
 from fem.elements import Elements
 from fem.solvers import Factor, node_dissection
+from fem.unit_loads import InterfaceLoads
 from fem.unit_solutions import Elastic, UnitSolutions, rigid_modes
-from geometry.mesh import FloatArray, IntArray
+from geometry.mesh import FloatArray, IntArray, Interface
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,40 +109,72 @@ class SupportedSolid:
         return np.setdiff1d(np.arange(self.stiffness.shape[0]), self.held)
 
 
-def link_solid(solutions: UnitSolutions, *, tilt_held: bool, what: str) -> SupportedSolid:
-    """Return a part held at its first two interfaces as pins hold a link.
+def link_solid(
+    solutions: UnitSolutions, *, tilt_held: bool, twist_held_at: str | None = None, what: str
+) -> SupportedSolid:
+    """Return a part held at two of its interfaces as pins hold a link.
 
-    tilt_held  True if the forks hold the ends against tilting out of the plane
-    what       is asked, for the message
+    tilt_held      True if both forks hold their ends against any turn but that about the pin
+    twist_held_at  interface that holds the part against turning about its own axis where forks are
+                   soft; None for the first one
+    what           is asked, for the message
 
-    At each interface the mean displacement is held, along the part at the first only; about the
-    pins both ends may turn, about its own axis the part may not at the first. Raises ValueError for
-    a stack of tied bodies and MeshError for half of a part.
+    At each interface the mean displacement is held, along the part at one only; about the pins both
+    ends may turn. Raises ValueError for a stack of tied bodies and MeshError for half of a part.
     """
     check_whole(solutions, what)
-    return supported(solutions, end_conditions(solutions, tilt_held=tilt_held))
+    rows = end_conditions(solutions, tilt_held=tilt_held, twist_held_at=twist_held_at)
+    return supported(solutions, rows)
 
 
-def end_conditions(solutions: UnitSolutions, *, tilt_held: bool) -> FloatArray:
+def end_conditions(
+    solutions: UnitSolutions, *, tilt_held: bool, twist_held_at: str | None = None
+) -> FloatArray:
     """Rows (n_rows, 3 n_nodes) of mean displacements and rotations held to zero."""
-    nodes = solutions.mesh.nodes
+    nodes, (first, second) = solutions.mesh.nodes, holding(solutions.interfaces, twist_held_at)
+    c, s = unit_vector(second.centre[:2] - first.centre[:2])
+    axes = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
     rows = []
-    for number, loads in enumerate(solutions.interfaces[:2]):
-        weights = surface_weights(solutions.elements, loads.interface.name)
-        arm = nodes - loads.interface.centre
+    for interface in (first, second):
+        weights = surface_weights(solutions.elements, interface.name)
+        x, y, z = axes @ (nodes - interface.centre).T
 
         def mean(axis: int, factor: FloatArray, weights: FloatArray = weights) -> FloatArray:
-            row = np.zeros((len(weights), 3))
-            row[:, axis] = weights * factor
-            return row.ravel()
+            return np.asarray(np.outer(weights * factor, axes[axis]).ravel())
 
         one = np.ones(len(weights))
-        rows += [mean(axis, one) for axis in ((0, 1, 2) if number == 0 else (1, 2))]
-        if number == 0:  # no turning about the part's own axis
-            rows.append(mean(2, arm[:, 1]) - mean(1, arm[:, 2]))
+        rows += [mean(axis, one) for axis in ((0, 1, 2) if interface is first else (1, 2))]
+        if tilt_held or interface is first:  # no turning about the part's own axis
+            rows.append(mean(2, y) - mean(1, z))
         if tilt_held:
-            rows.append(mean(0, arm[:, 2]) - mean(2, arm[:, 0]))
+            rows.append(mean(0, z) - mean(2, x))
     return np.array([row / np.linalg.norm(row) for row in rows])
+
+
+def holding(interfaces: Sequence[InterfaceLoads], name: str | None) -> tuple[Interface, Interface]:
+    """Return the two interfaces by which a part is held, the one called `name` first.
+
+    The other is the one nearest to it, whatever their order, so that what lies beyond both is free
+    for the longest way; of several as near, the one with the least x, then y. Contacts that slide
+    hold nothing where two others do.
+    """
+    known = [loads.interface for loads in interfaces]
+    fixed = [interface for interface in known if interface.kind != "slide"]
+    known = fixed if len(fixed) > 1 else known
+    first = next((one for one in known if one.name == name), known[0])
+    others = [one for one in known if one is not first]
+    return first, min(others, key=lambda one: nearness(one.centre[:2], first.centre[:2]))
+
+
+def nearness(point: FloatArray, start: FloatArray) -> tuple[float, ...]:
+    """Rank of a point (2,) by its distance from a start, then by x and y; to a nanometre."""
+    return tuple(round(float(value), 6) for value in (np.hypot(*(point - start)), *point))
+
+
+def unit_vector(apart: FloatArray) -> FloatArray:
+    """Direction (2,) of a vector, along x of one without length."""
+    length = np.hypot(*apart)
+    return apart / length if length else np.array([1.0, 0.0])
 
 
 def surface_weights(elements: Elements, name: str) -> FloatArray:

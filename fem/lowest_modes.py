@@ -291,15 +291,23 @@ class Vibration:
         return np.asarray(self.angular / (2 * np.pi))
 
 
-def link_vibration(solutions: UnitSolutions, *, tilt_held: bool, count: int = 4) -> Vibration:
+def link_vibration(
+    solutions: UnitSolutions,
+    *,
+    tilt_held: bool,
+    twist_held_at: str | None = None,
+    count: int = 4,
+) -> Vibration:
     """Return the vibration of a part whose pins stand still, as buckling holds it.
 
-    tilt_held  True if the forks hold the ends against tilting out of the plane
+    tilt_held, twist_held_at  as `link_solid` has them
 
     Raises SolverError if the modes do not converge or cannot be proven, ValueError for a stack of
     tied bodies, half of a part and a part without mass.
     """
-    solid = link_solid(solutions, tilt_held=tilt_held, what="vibration")
+    solid = link_solid(
+        solutions, tilt_held=tilt_held, twist_held_at=twist_held_at, what="vibration"
+    )
     return solid_vibration(solid, count=count)
 
 

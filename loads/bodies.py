@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from math import degrees, hypot, inf, isfinite
-from typing import ClassVar, Self
+from typing import ClassVar, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -111,6 +111,9 @@ class _AtOnePoint:
         return self.point
 
 
+_At = TypeVar("_At", bound=_AtOnePoint)
+
+
 @dataclass(frozen=True)
 class Revolute(_AtOnePoint):
     """A pin: the point of this name on body a and on body b stay together."""
@@ -172,16 +175,27 @@ def shared_pins(joints: Iterable[Joint]) -> list[list[Revolute]]:
 
     One joint fewer than bodies; which bodies they pair is up to who wrote them.
     """
-    pins: list[list[Revolute]] = []
+    return _joined(joint for joint in joints if isinstance(joint, Revolute))
+
+
+def shared_points(joints: Iterable[Joint]) -> list[list[_AtOnePoint]]:
+    """Return the points at which bodies are pinned or welded, each as its joints.
+
+    Which of the bodies that are welded there a pin pairs is up to who wrote them, too.
+    """
+    return _joined(joint for joint in joints if isinstance(joint, _AtOnePoint))
+
+
+def _joined(joints: Iterable[_At]) -> list[list[_At]]:
+    points: list[list[_At]] = []
     for joint in joints:
-        if isinstance(joint, Revolute):
-            on = [pin for pin in pins if any(_on_one_pin(joint, other) for other in pin)]
-            pins = [pin for pin in pins if pin not in on]
-            pins.append([*(other for pin in on for other in pin), joint])
-    return pins
+        on = [point for point in points if any(_at_one_point(joint, other) for other in point)]
+        points = [point for point in points if point not in on]
+        points.append([*(other for point in on for other in point), joint])
+    return points
 
 
-def _on_one_pin(one: Revolute, other: Revolute) -> bool:
+def _at_one_point(one: _AtOnePoint, other: _AtOnePoint) -> bool:
     bodies = {one.body_a, one.body_b} & {other.body_a, other.body_b}
     return one.point == other.point and bool(bodies)
 

@@ -14,7 +14,7 @@ from math import ceil
 
 import numpy as np
 
-from loads.bodies import FloatArray, LinkageError, Prismatic, Slot, shared_pins
+from loads.bodies import FloatArray, LinkageError, Prismatic, Slot, shared_points
 from loads.contact import (
     Touch,
     contact_gaps,
@@ -68,7 +68,9 @@ def run_cycle(linkage: Linkage, cycle: Cycle) -> CycleLoads:
     tried: list[list[Stretch]] = []
     for _ in range(2):
         tried.append([run.solve(k, grid) for k, grid in enumerate(grids)])
-        grids = _placed(linkage, cycle, grids, [stretch.solution for stretch in tried[-1]])
+        grids = _placed(
+            run.path.kinematics, cycle, grids, [stretch.solution for stretch in tried[-1]]
+        )
     stretches = [run.solve(k, run.with_corners(k, grid)) for k, grid in enumerate(grids)]
     return _joined(linkage, cycle, run.timing, stretches, tried)
 
@@ -195,7 +197,7 @@ class Run:
         fine = replace(self.cycle, n_positions=_COARSE)
         grids = _coarse(self.cycle)
         solutions = [self.solve(k, grid).solution for k, grid in enumerate(grids)]
-        placed = _placed(self.path.kinematics.linkage, fine, grids, solutions)
+        placed = _placed(self.path.kinematics, fine, grids, solutions)
         grids = [self.with_corners(k, g) for k, g in enumerate(placed)]
         return [self.path.at(with_points(grid)) for grid in grids]
 
@@ -282,11 +284,14 @@ def _check_ends(linkage: Linkage, geometry: Geometry) -> None:
 
 
 def _placed(
-    linkage: Linkage, cycle: Cycle, grids: list[FloatArray], solutions: list[ForceSolution]
+    kinematics: Kinematics,
+    cycle: Cycle,
+    grids: list[FloatArray],
+    solutions: list[ForceSolution],
 ) -> list[FloatArray]:
     """Return grids on which every step has the same share of the way plus the change of loads."""
     ways = [np.abs(np.diff(grid)) for grid in grids]
-    changes = [_changes(linkage, solution) for solution in solutions]
+    changes = [_changes(kinematics, solution) for solution in solutions]
     way, change = (sum(float(part.sum()) for part in parts) for parts in (ways, changes))
     result = []
     for grid, step, jump in zip(grids, ways, changes, strict=True):
@@ -301,19 +306,22 @@ def _placed(
     return result
 
 
-def _changes(linkage: Linkage, solution: ForceSolution) -> FloatArray:
+def _changes(kinematics: Kinematics, solution: ForceSolution) -> FloatArray:
     """Return the change of all reactions (n - 1,) from position to position, N.
 
-    A pin of three bodies and more counts by half the squares of its forces on them, as one of two
-    does whose force counts once: what its joints hold depends on which bodies they pair.
+    A point where three bodies and more are pinned or welded counts by half the squares of its loads
+    on them, as one of two does whose load counts once: what its joints hold depends on which bodies
+    they pair.
     """
     squares = np.sum(np.diff(solution.vector, axis=0) ** 2, axis=1)
-    for pin in shared_pins(linkage.joints):
-        if len(pin) < 2:
+    for point in shared_points(kinematics.linkage.joints):
+        if len(point) < 2:
             continue
         on: dict[str, FloatArray] = {}
-        for joint in pin:
-            step = np.diff(solution.joints[joint.name].force, axis=0)
+        for joint in point:
+            load = solution.joints[joint.name]
+            couple = load.moment / kinematics.size  # of a weld; that of a pin's friction is apart
+            step = np.diff(np.column_stack([load.force, couple]), axis=0)
             squares -= np.sum(step**2, axis=1)
             for body, sign in ((joint.body_a, -1.0), (joint.body_b, 1.0)):
                 on[body] = on.get(body, 0.0) + sign * step

@@ -115,8 +115,8 @@ def not_checked(loaded: LoadedPart) -> Iterator[str]:
 def _forces(loaded: LoadedPart, weld: Weld) -> dict[str, FloatArray]:
     """Section forces (n,) at a weld, N and N mm, of the part's loads and its own inertia."""
     shape, loads = loaded.part.geometry, loaded.loads
-    bar = shape.profile or shape.link(loaded.part.material.poisson_ratio)
-    assert bar is not None, "a shape with walls is a bar"
+    bar = shape.profile
+    assert bar is not None, "a shape with walls tells its profile"
     cuts = np.linspace(bar.cuts[0], bar.cuts[-1], _CELLS + 1)
     middles = (cuts[1:] + cuts[:-1]) / 2
     area = np.broadcast_to(bar.at(middles[:, None]).area, (_CELLS, 1))[:, 0]

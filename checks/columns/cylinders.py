@@ -86,7 +86,7 @@ class _Loaded:
 
     push     (n,) N, of its eyes on each other; negative where it pulls
     length   (n,) mm between its eyes
-    across   (n,) mm/s2, gravity across its axis
+    across   (n,) mm/s2, gravity across its axis times the load factor
     cases    cycle, position in words, and index in its cycle, of each position
     stretch  (n,) between two jumps of the loads; path: (n,) along which the positions lie
     """
@@ -124,7 +124,7 @@ class _Loaded:
             paths.append(cycle.positions)
         reach = np.concatenate(reaches)
         length = np.hypot(*reach.T)
-        weight = np.array(design.gravity)
+        weight = design.load_factor * np.array(design.gravity)
         across = np.abs(reach[:, 0] * weight[1] - reach[:, 1] * weight[0]) / length
         return _Loaded(
             design, name, cylinder, np.concatenate(pushes), length, across, cases,

@@ -109,6 +109,7 @@ def eigenvalue_check(
     model band. None for pins and stacks, and where nothing buckles.
     """
     part, loads = loaded.part, loaded.loads
+    twist = part.tilt_held_at
     solutions, coefficients = levels[0]
     if part.body is None or solutions.ties is not None or len(solutions.interfaces) < 2:
         return None
@@ -116,8 +117,10 @@ def eigenvalue_check(
     found = remembered(
         solutions,
         "buckling",
-        (coefficients, starts, False),
-        lambda: worst_buckling(solutions, coefficients, starts, tilt_held=False),
+        (coefficients, starts, twist),
+        lambda: worst_buckling(
+            solutions, coefficients, starts, tilt_held=False, twist_held_at=twist
+        ),
     )
     if found is None:
         return None
@@ -126,7 +129,7 @@ def eigenvalue_check(
     stiff: float | None = None
     forks = "not asked"
     if modes[0].factor < FAR * loaded.required.buckling:
-        held = _buckling_at(solutions, coefficients[:, worst], tilt_held=True).modes
+        held = _buckling_at(solutions, coefficients[:, worst], twist, tilt_held=True).modes
         stiff = held[0].factor if held else np.inf
         forks = f"{stiff:.3g}" if held else "none"
     turned = ""
@@ -170,35 +173,39 @@ def eigenvalue_check(
         share, *others = shares_of(solutions, between, fields)
         rise = max(0.0, max(others) / share - 1)
 
-    check = checked(modes[0], _bar_of(solutions, coefficients[:, worst], modes), "one mesh")
+    check = checked(modes[0], _bar_of(solutions, coefficients[:, worst], twist, modes), "one mesh")
     if check.status is Status.UNDECIDED and len(levels) > 1:
         solutions, coefficients = levels[-1]
-        again = _buckling_at(solutions, coefficients[:, worst], tilt_held=False)
+        again = _buckling_at(solutions, coefficients[:, worst], twist, tilt_held=False)
         if again.modes:
             proof, missed = _proof(again)
             moved = abs(again.modes[0].factor / modes[0].factor - 1)
-            bar = max(moved, _bar_of(solutions, coefficients[:, worst], again.modes))
+            bar = max(moved, _bar_of(solutions, coefficients[:, worst], twist, again.modes))
             return checked(again.modes[0], bar, "two meshes"), again.modes[0]
     return check, modes[0]
 
 
-def _buckling_at(solutions: UnitSolutions, state: FloatArray, *, tilt_held: bool) -> Buckling:
+def _buckling_at(
+    solutions: UnitSolutions, state: FloatArray, twist_held_at: str, *, tilt_held: bool
+) -> Buckling:
     """Modes of one position, from the store of the solutions if they have one."""
     return remembered(
         solutions,
         "buckling_at",
-        (state, tilt_held),
-        lambda: buckling_at(solutions, state, tilt_held=tilt_held),
+        (state, twist_held_at, tilt_held),
+        lambda: buckling_at(solutions, state, tilt_held=tilt_held, twist_held_at=twist_held_at),
     )
 
 
-def _bar_of(solutions: UnitSolutions, state: FloatArray, modes: Sequence[BucklingMode]) -> float:
+def _bar_of(
+    solutions: UnitSolutions, state: FloatArray, twist_held_at: str, modes: Sequence[BucklingMode]
+) -> float:
     """Error of the share by the mesh, over it, from the store of the solutions if they have it."""
     return remembered(
         solutions,
         "buckling_bar",
-        state,
-        lambda: mesh_bar(solutions, state, modes),
+        (state, twist_held_at),
+        lambda: mesh_bar(solutions, state, modes, twist_held_at=twist_held_at),
     )
 
 

@@ -269,8 +269,8 @@ class BodyPartEntry(PartEntry):
     )
     tilt_held_at: str | None = Field(
         None,
-        description="interface that takes the couples which the offsets leave; else one without an "
-        "offset, on the ground if there is one",
+        description="interface that takes the couples which the offsets leave, and holds the twist "
+        "of a part that buckles; else one without an offset, on the ground if there is one",
     )
 
 
@@ -395,8 +395,8 @@ class DesignFile(Table):
     require: Requirements = Field(default=Requirements.model_validate({}))
     load_factor: Positive = Field(
         1.0,
-        description="factor on all loads of parts and of the linkage, inertia included; motion, "
-        "drives and contacts of the linkage are found without it",
+        description="factor on all loads of parts, of cylinders and of the linkage, weight and "
+        "inertia included; motion, drives and contacts of the linkage are found without it",
     )
     gravity: Acceleration2 = Field(
         "0, -9.81 m/s2", validate_default=True, description="in the ground frame"

@@ -179,6 +179,8 @@ def lateral_share(
     stiffness: FloatArray,
     twisting: FloatArray,
     length: float,
+    *,
+    held_last: bool = False,
 ) -> FloatArray:
     """Share (n,) that loads are of those under which a bar buckles out of its plane.
 
@@ -186,39 +188,49 @@ def lateral_share(
     moment       (k, n) N mm in the plane at k even places between the ends
     stiffness    (k,) E I out of the plane, N mm2
     twisting     (k,) G J, N mm2
+    held_last    True if the second end holds the bar against twisting and not the first
 
     A deflection aside w follows the twist t by E I w'' = -M t where both ends are held sideways.
     Then the energy integral of G J t'^2 - M^2 t^2/(E I) is stationary (Timoshenko and Gere, Theory
-    of Elastic Stability, 2nd ed., 6.2 and 6.3), t = 0 at the first end and free at the second.
+    of Elastic Stability, 2nd ed., 6.2 and 6.3), t = 0 at one end and free at the other.
     Three sines of odd quarter waves are taken: a cantilever's lowest m is at most 1 % above
     4.013 sqrt(E I G J)/(F L^2). An axial force p (over critical) takes a share of the stiffness
     aside: (1 - s p) = (s m)^2 at the load factor s (same, 6.1), so the share is
     (p + sqrt(p^2 + 4 m^2))/2.
     """
-    _, forms = _twisted(moment, stiffness, twisting, length)
+    _, forms = _twisted(moment, stiffness, twisting, length, held_last)
     squares = np.linalg.eigvalsh(forms)[:, -1]
     bent = np.sqrt(np.maximum(squares, 0.0))
     return np.asarray((compression + np.sqrt(compression**2 + 4 * bent**2)) / 2)
 
 
 def lateral_twist(
-    moment: FloatArray, stiffness: FloatArray, twisting: FloatArray, length: float
+    moment: FloatArray,
+    stiffness: FloatArray,
+    twisting: FloatArray,
+    length: float,
+    *,
+    held_last: bool = False,
 ) -> tuple[float, FloatArray]:
     """Share m of a moment (k,) alone, and the twist (k,) of its mode, of unit energy C t'^2.
 
     Parameters are those of `lateral_share`, at one position.
     """
-    normal, (form,) = _twisted(moment[:, None], stiffness, twisting, length)
+    normal, (form,) = _twisted(moment[:, None], stiffness, twisting, length, held_last)
     squares, modes = np.linalg.eigh(form)
     return float(np.sqrt(max(squares[-1], 0.0))), np.asarray(modes[:, -1] @ normal)
 
 
 def _twisted(
-    moment: FloatArray, stiffness: FloatArray, twisting: FloatArray, length: float
+    moment: FloatArray,
+    stiffness: FloatArray,
+    twisting: FloatArray,
+    length: float,
+    held_last: bool,
 ) -> tuple[FloatArray, FloatArray]:
     """Twists (_TERMS, k) of unit energy, and the forms (n, _TERMS, _TERMS) of M^2 t^2/(E I)."""
     count = len(stiffness)
-    s = np.linspace(0.0, 1.0, count)
+    s = np.linspace(1.0, 0.0, count) if held_last else np.linspace(0.0, 1.0, count)
     weights = np.full(count, length / (count - 1))
     weights[[0, -1]] /= 2
     order = (2 * np.arange(_TERMS) + 1) * pi / 2

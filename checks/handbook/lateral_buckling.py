@@ -199,7 +199,7 @@ class LateralBar:
 
     held    (chain, place): held sideways there; at the first one against twisting, too
     joined  (chain, place, branch): a branch beside the chain goes on from its section there
-    tilts   False if forks hold it against tilting where it is held
+    tilts   False if forks hold it against tilting and twisting wherever it is held
     """
 
     chains: Sequence[Chain]
@@ -225,7 +225,7 @@ class LateralBar:
     @cached_property
     def _conditions(self) -> FloatArray:
         rows = [self._at(chain, place, 0)[0] for chain, place in self.held]
-        rows.append(self._at(*self.held[0], 0)[1])
+        rows += [self._at(*at, 0)[1] for at in self.held[: 1 if self.tilts else None]]
         if not self.tilts:
             rows += [self._at(chain, place, 1)[0] for chain, place in self.held]
         for chain, place, branch in self.joined:

@@ -528,8 +528,10 @@ def frequency_facts(part: Part, solutions: UnitSolutions) -> dict[str, float | s
     found = remembered(
         solutions,
         "vibration",
-        (False, _COUNT),
-        lambda: link_vibration(solutions, tilt_held=False, count=_COUNT),
+        (part.tilt_held_at, _COUNT),
+        lambda: link_vibration(
+            solutions, tilt_held=False, twist_held_at=part.tilt_held_at, count=_COUNT
+        ),
     )
     said = [
         f"{hertz:.4g} {_plane(shape)}"

@@ -95,12 +95,14 @@ def sideways(
     twisting: FloatArray,
     length: float,
     pressed: tuple[float, float],
+    held_last: bool,
     nodes: FloatArray,
 ) -> FloatArray:
     """The mode of a bar along x that is bent in its plane and pressed (`lateral_share`).
 
     stiffness  (k,) E I out of the plane between the pins, and between where they press
     pressed    mm, where both pins press
+    held_last  as `lateral_share` has it
 
     With p and m of the compression and of the moment alone, and W and T for w and t of unit energy,
     (1 - s p) W = s m T and T = s m W at the factor s: m t has T = m, and w is p times the column's
@@ -109,7 +111,7 @@ def sideways(
     """
     across, firm = stiffness
     x = np.linspace(0.0, length, len(moment))
-    bent, twist = lateral_twist(moment, across, twisting, length)
+    bent, twist = lateral_twist(moment, across, twisting, length, held_last=held_last)
     share = (compression + np.sqrt(compression**2 + 4 * bent**2)) / 2
     (first, last), column = pressed, pressed[1] - pressed[0]
     angle = pi * np.clip((x - first) / column, 0.0, 1.0)

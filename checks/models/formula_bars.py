@@ -159,6 +159,12 @@ class SectionForces:
         return columns, BarForces(*np.split(np.eye(len(columns)), len(rows)))
 
 
+def holds_last(loads: PartLoads, places: dict[str, float]) -> bool:
+    """True if the interface farther along x takes the couples out of the plane."""
+    at = places.get(loads.tilt_held_at or "")
+    return at is not None and 2 * at > min(places.values()) + max(places.values())
+
+
 def left_over(bar: BarLoads, loads: PartLoads, length: float) -> float:
     """Couples out of the plane that no interface holds, over the largest force times the length.
 
@@ -173,9 +179,10 @@ def left_over(bar: BarLoads, loads: PartLoads, length: float) -> float:
 class BarPart:
     """A part that is a bar between two pins, with the points where its stress is asked.
 
-    forces  its loads in balance
-    length  mm, from pin to pin
-    radii   mm, of the bores of both pins; 0 of an end face
+    forces     its loads in balance
+    length     mm, from pin to pin
+    radii      mm, of the bores of both pins; 0 of an end face
+    held_last  True if the second end takes the couples out of the plane (`tilt_held_at`)
     """
 
     part: Part
@@ -185,6 +192,7 @@ class BarPart:
     length: float
     points: Points
     radii: tuple[float, float]
+    held_last: bool
 
     @classmethod
     def of(
@@ -198,7 +206,8 @@ class BarPart:
     ) -> Self:
         """A bar without points yet; interfaces at x = `places`, as in `bar_loads`."""
         forces, points = bar_loads(part, loads, places, mass), Points(len(loads.accelerations))
-        return cls(part, loads, forces, mass, length, points, radii)
+        held_last = holds_last(loads, places)
+        return cls(part, loads, forces, mass, length, points, radii, held_last)
 
     def model(
         self,
@@ -225,6 +234,7 @@ class BarPart:
                 mass,
                 length,
                 self.radii,
+                held_last=self.held_last,
                 local=known,
                 stretch=stretch,
                 aside=aside,
@@ -315,6 +325,7 @@ def elastic_load(
     length: float,
     radii: tuple[float, float] = (0.0, 0.0),
     *,
+    held_last: bool = False,
     local: float = 0.0,
     stretch: Mode | None = None,
     aside: Callable[[bool], Aside] | None = None,
@@ -335,6 +346,7 @@ def elastic_load(
     squared slope, on which the force works.
 
     radii    mm, of the bores
+    held_last  True if the second end holds it against twisting and not the first
     local    1/N, share that 1 N of compression is of the load under which a stretch of the part
              buckles by itself
     stretch  the mode of that; None where only its load is known
@@ -383,9 +395,12 @@ def elastic_load(
         least = _NO_MOMENT * largest * length
         moment = np.where(np.abs(moment) > least, moment, 0.0)
     pressing = force / column_force(firm, racking, column)
+    aside_at = partial(
+        lateral_share, stiffness=across, twisting=twisting, length=length, held_last=held_last
+    )
     shares = {
         _IN_PLANE: within / column_force(flat, sliding, length),
-        _SIDEWAYS: lateral_share(pressing, moment, across, twisting, length),
+        _SIDEWAYS: aside_at(pressing, moment),
         "a stretch by itself: plates and columns": push * local,
     }
     words = _SIDEWAYS if only_pulled else max(shares, key=lambda name: float(shares[name].max()))
@@ -396,10 +411,10 @@ def elastic_load(
         explain = partial(column_items, pressed, flat, sliding, length)
     elif words == _SIDEWAYS:
         bent = moment[:, [position]]
-        alone = float(lateral_share(np.zeros(1), bent, across, twisting, length)[0])
+        alone = float(aside_at(np.zeros(1), bent)[0])
         explain = partial(column_items, pressed, firm, racking, column, alone)
         of_both = float(pressing[position]), bent[:, 0], (across, firm), twisting, length
-        mode = partial(sideways, *of_both, (first, last))
+        mode = partial(sideways, *of_both, (first, last), held_last)
     else:
         explain, mode = partial(stretch_items, float(push[position]), local), stretch
     told, most = _PULLED if only_pulled else words, float(share[position])

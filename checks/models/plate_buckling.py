@@ -35,6 +35,7 @@ from checks.models.formula_bars import ASIDE, HARDLY, LATERAL, column_items, fac
 from checks.models.formula_points import Points, acceleration_units, wrench_units
 from checks.part.part_loads import PartLoads, first_largest
 from checks.stress.stress_result import ElasticLoad
+from fem.end_conditions import nearness
 from geometry.bars import rectangle_torsion
 from geometry.mesh import FloatArray
 from geometry.outlines import Cut, Moments
@@ -162,7 +163,7 @@ def elastic_load(part: Part, forces: PlateForces) -> ElasticLoad | None:
 
     The plate is a bar along the longest way from bore to bore, laid straight. In the plane it is
     hinged at both ends; what holds it at bores between is left out, and its largest compression
-    acts all along it. Out of the plane it is held where the solid is, at its first two pins
+    acts all along it. Out of the plane it is held where the solid is, at two pins
     (fem/end_conditions.py), and free to tilt.
     """
     way = forces.way
@@ -186,6 +187,14 @@ def elastic_load(part: Part, forces: PlateForces) -> ElasticLoad | None:
     explain, fixity = partial(factor_items, aside), 1 - max(column[position], held) / aside
     found = ElasticLoad(aside, where, ASIDE, explain, LATERAL, pulled, max(0.0, fixity))
     return replace(found, mode=mode) if aside > 0.0 else found
+
+
+def _holding(forces: PlateForces) -> tuple[str, str]:
+    """The bores at which the solid is held, the one that holds its twist first."""
+    at = {bore.name: np.array([bore.centre.real, bore.centre.imag]) for bore in forces.shape.bores}
+    first = forces.loads.tilt_held_at or forces.names[0]
+    others = [name for name in forces.names if name != first]
+    return first, min(others, key=lambda name: nearness(at[name], at[first]))
 
 
 def _sideways(
@@ -248,7 +257,7 @@ def _sideways(
     if pulled:
         axial = np.minimum(axial, 0.0)
     names = [bore.name for bore in way]
-    held = [float(reached[names.index(name)]) for name in forces.names[:2] if name in names]
+    held = [float(reached[names.index(name)]) for name in _holding(forces) if name in names]
     if len(held) < 2:  # drawn plates: a pin that holds it stands beside the way
         held = [0.0, float(reached[-1])]
     bar, acts = LateralBar([chain], [(0, place) for place in held]), Acting(axial, moment, shear)

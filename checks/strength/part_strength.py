@@ -6,6 +6,7 @@ from checks.design.errors import DesignError
 from checks.part.loaded_part import LoadedPart
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse
 from checks.strength.finite_life import LifeTask, why_no_curve
+from fatigue.marin import LARGEST_SIZE, size_factor
 from fem.unit_solutions import Elastic
 
 
@@ -33,18 +34,34 @@ def endurance_of(part: Part) -> fatigue.EnduranceLimit:
             reliability=part.reliability,
             specimen_limit=specimen,
         )
-    section = part.geometry.stressed_section
-    if len(section) == 1:
-        diameter = fatigue.round_equivalent_diameter(*section)
-    else:
-        diameter = fatigue.rectangle_equivalent_diameter(*section)
     return fatigue.endurance_limit(
         ultimate,
         part.surface,
-        equivalent_diameter=diameter,
+        equivalent_diameter=_equivalent_diameter(part),
         load="bending",
         reliability=part.reliability,
         specimen_limit=specimen,
+    )
+
+
+def _equivalent_diameter(part: Part) -> float:
+    section = part.geometry.stressed_section
+    if len(section) == 1:
+        return fatigue.round_equivalent_diameter(*section)
+    return fatigue.rectangle_equivalent_diameter(*section)
+
+
+def beyond_size_data(part: Part) -> str | None:
+    """Assumption of a part's size factor beyond the end of its data; None within them."""
+    if part.fkm is not None or part.geometry.stressed_evenly:
+        return None
+    diameter, end = _equivalent_diameter(part), LARGEST_SIZE
+    if not diameter > end:
+        return None
+    factor, last = (size_factor(size) for size in (diameter, end))
+    return (
+        f"Marin's size factor, whose data end at an equivalent diameter of {end:g} mm, goes on "
+        f"along its curve to {diameter:.4g} mm: {factor:.3f} in place of {last:.3f}"
     )
 
 

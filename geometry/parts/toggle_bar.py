@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, ClassVar
 
 import numpy as np
@@ -14,6 +14,8 @@ from geometry.bars import (
     Section,
     Sections,
     Walls,
+    bored,
+    chord,
     even,
     plate_pair_section,
     rectangle,
@@ -139,13 +141,41 @@ class ToggleBar(Shape):
         cheek, and the bar buckles where its force is its shear stiffness, so this lower one is
         taken.
         """
-        free, tube = self.cutout_length - self.overhang, self.sections[0]
-        whole = square_section(self.width, self.wall, tube.area, tube.inertia_in_plane)
+        free, cheek = self._free, rectangle(self.width, self.wall)
         if not free > 0:
-            return even(whole, 0.0, self.length)
-        beside, cheek = (self.width - self.wall) / 2, rectangle(self.width, self.wall)
+            return even(self._tube, 0.0, self.length)
         ratio = 2 * (1 + poisson_ratio)  # E/G
         sway = np.pi**2 / 2 * ratio * cheek.inertia_y / free**2
+        cuts = (0.0, free, self.length) if free < self.length else (0.0, self.length)
+        return Bar(cuts, partial(self._at, float(sway)))
+
+    @property
+    def profile(self) -> Bar:
+        """The tube with its holes, from end to end; its cheeks alone beside the cut-out."""
+        holes = [(float(one.centre[0]), one.radius) for one in self.placed_interfaces]
+
+        def at(x: FloatArray) -> Sections:
+            whole, taken = self._at(np.inf, x), chord(x, holes)
+            less = bored(whole, taken, self.width, 2 * self.wall)
+            beside = 2 * self.wall * self.cheeks_at**2
+            return replace(less, inertia_y=whole.inertia_y - taken * beside)
+
+        ends = {-self.overhang, 0.0, self._free, self.length, self.length + self.overhang}
+        return Bar(tuple(sorted(ends)), at)
+
+    @property
+    def _free(self) -> float:
+        """Place at which the side walls begin, mm."""
+        return self.cutout_length - self.overhang
+
+    @property
+    def _tube(self) -> Sections:
+        tube = self.sections[0]
+        return square_section(self.width, self.wall, tube.area, tube.inertia_in_plane)
+
+    def _at(self, sway: float, x: FloatArray) -> Sections:
+        """Sections at places x, holes filled; cheeks shear by no more than `sway`, mm2."""
+        cheek, beside = rectangle(self.width, self.wall), self.cheeks_at
         cheeks = Sections(
             area=2 * cheek.area,
             inertia_y=2 * (cheek.area * beside**2 + cheek.inertia_y),
@@ -154,13 +184,9 @@ class ToggleBar(Shape):
             shear_area_y=2 * cheek.shear_area_y,
             shear_area_z=np.minimum(sway, 2 * cheek.shear_area_z),
         )
-
-        def at(x: FloatArray) -> Sections:
-            pairs = ((getattr(cheeks, f.name), getattr(whole, f.name)) for f in fields(Sections))
-            return Sections(*(np.where(x < free, own, other) for own, other in pairs))
-
-        cuts = (0.0, free, self.length) if free < self.length else (0.0, self.length)
-        return Bar(cuts, at)
+        whole = self._tube
+        pairs = ((getattr(cheeks, f.name), getattr(whole, f.name)) for f in fields(Sections))
+        return Sections(*(np.where(x < self._free, own, other) for own, other in pairs))
 
     @property
     def proportions(self) -> Mapping[str, float]:

@@ -106,6 +106,24 @@ def reordered(data):
     return [reordered(each) for each in data] if isinstance(data, list) else data
 
 
+def ends_swapped(data):
+    """The same links, their first ends called second, and levers told from their last bore on."""
+    twin = {"first": "second", "second": "first", "hole": "second_hole", "second_hole": "hole"}
+
+    def other(table):
+        return {twin.get(name, name): value for name, value in table.items()}
+
+    def swap(part):
+        if isinstance(part.get("shape"), dict) and "lever" in part["shape"]:
+            return part | {"shape": {"lever": part["shape"]["lever"][::-1]}}
+        if set(part.get("interfaces", {})) != {"first", "second"}:
+            return part
+        part = {k: other(v) if isinstance(v, dict) else v for k, v in part.items()}
+        return other(part) if "second_hole" in part else part
+
+    return data | {"parts": {name: swap(part) for name, part in data["parts"].items()}}
+
+
 def numbers(result, names=None):
     """Value, bars, limit and required safety of each check by part, kind, quantity and place in it.
 

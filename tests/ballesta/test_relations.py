@@ -24,6 +24,7 @@ from .restated import (
     backwards,
     checked,
     designed,
+    ends_swapped,
     flattened,
     in_other_units,
     mirrored,
@@ -65,6 +66,7 @@ SAME = {  # relation: what is done to the data
     "turned by 90 degrees": lambda data: turned(data, 90),
     "turned by 37 degrees": lambda data: turned(data, 37),
     "mirrored": mirrored,
+    "ends swapped": ends_swapped,
     "moved by a kilometre": lambda data: moved(data, 8e5, -6e5),
     "a turn later": a_turn_later,
     "backwards": backwards,
@@ -72,7 +74,7 @@ SAME = {  # relation: what is done to the data
 THREE_ON_A_PIN = ("riveting_press", "scissors_jack")
 IN_A_ROW = {  # all of the above, a few of them one after another; units last: others read mm
     "turned": ("reordered", "turned by 37 degrees", "in inches and pounds"),
-    "mirrored": ("mirrored", "a turn later", "in mixed units"),
+    "mirrored": ("mirrored", "ends swapped", "a turn later", "in mixed units"),
     "moved": ("moved by a kilometre", "turned by 90 degrees", "backwards"),
 }
 OF_A_CRANK = ("turned by 37 degrees", "a turn later", "backwards")
@@ -188,7 +190,7 @@ def of_the_gallery(machine):
         for machine in sorted(path.stem for path in (DESIGNS / "gallery").glob("*.toml"))
     ],
 )
-@pytest.mark.parametrize("relation", ["reordered", "in inches and pounds"])
+@pytest.mark.parametrize("relation", ["reordered", "in inches and pounds", "ends swapped"])
 def test_machines_of_the_gallery_do_not_change(relation, machine, tmp_path):
     """Where three bodies turn on one pin, joints pair them as they are listed."""
     data = of_the_gallery(machine)

@@ -72,6 +72,33 @@ def test_two_welded_bodies_move_and_load_the_others_as_one():
     assert np.abs(history.wrenches[:, 0, 5]).max() > 150.0 * height
 
 
+def paired(linkage, joint, **bodies):
+    """A linkage of which one joint pairs others of the bodies at its point."""
+    joints = [replace(one, **bodies) if one.name == joint else one for one in linkage.joints]
+    return replace(linkage, joints=tuple(joints))
+
+
+@pytest.mark.parametrize(
+    ("joint", "bodies"),
+    [("B", {"body_b": "bracket"}), ("second", {"body_a": "bracket"})],
+    ids=["the pin holds the bracket in place of the slider", "a third body is welded to another"],
+)
+def test_positions_do_not_ask_which_of_the_bodies_at_a_weld_a_joint_pairs(joint, bodies):
+    """They lay up to 0.24 degrees elsewhere, and with them the largest loads found."""
+    linkage = with_bracket(slider_crank(**SLIDER_CRANK, at=0.3), 0.08, 0.05)
+    weight = Body("weight", {"B": (0.0, 0.0)}, 0.03, 0.0, (0.0, 0.02))
+    linkage = replace(
+        linkage,
+        bodies=(*linkage.bodies, weight),
+        joints=(*linkage.joints, Fixed("second", "slider", "weight", "B")),
+        assembled={**linkage.assembled, "weight": linkage.assembled["slider"]},
+    )
+    whole, other = (
+        run_cycle(one, turn(one)) for one in (linkage, paired(linkage, joint, **bodies))
+    )
+    assert_allclose(other.positions, whole.positions, atol=1e-9)
+
+
 def test_friction_of_a_weld_is_refused():
     linkage = with_bracket(slider_crank(0.1, 0.15, 0.025, at=1.0), 0.08)
     with pytest.raises(LinkageError, match="joint 'weld' is fixed, nothing slides in it"):

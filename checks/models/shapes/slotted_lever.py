@@ -286,9 +286,10 @@ def _aside(part: Part, shape: SlottedLever, loads: PartLoads, bar: BarLoads, pul
             (1, shape.length, loads.wrenches["tip"]),
         )
     ]
+    pins = [(0, 0.0), (1, shape.length)]
     whole = LateralBar(
         chains,
-        held=((0, 0.0), (1, shape.length)),
+        held=pins[::-1] if loads.tilt_held_at == "tip" else pins,
         joined=[(k, at, branch) for k, at in ((0, start), (1, stop)) for branch in (2, 3)],
     )
     share, position, held = whole.worst_of_forks(acting, pressed)

@@ -24,6 +24,7 @@ from checks.models.formula_bars import (
     Stretches,
     bar_loads,
     elastic_load,
+    holds_last,
     left_over,
     most_deflected,
 )
@@ -73,12 +74,14 @@ def stress(part: Part, shape: StepPart, loads: PartLoads) -> RungModel | None:
     def buckles() -> ElasticLoad | None:
         names = sorted(places, key=lambda name: places[name])
         first, last = (shape.bore(name) / 2 for name in names)
-        load = elastic_load(part, own, forces, bar_of, span, (first, last))
+        last_holds = holds_last(own, places)
+        load = elastic_load(part, own, forces, bar_of, span, (first, last), held_last=last_holds)
         if load.mode is not None:
             load = replace(load, mode=partial(from_start, load.mode, start))
         if not cut.straight:
             return load
-        weak = elastic_load(part, own, forces, _weakest(bar_of, cut.between), span)
+        weakest = _weakest(bar_of, cut.between)
+        weak = elastic_load(part, own, forces, weakest, span, held_last=last_holds)
         worst = max(map(_as_plate, cut.between))
         local = _BESIDE_BORES * max(1.0, worst / _STOUT)
         return replace(load, weakest=max(load.share, weak.share), local=local)

@@ -206,6 +206,14 @@ def test_force_share_and_stress_of_a_jib_are_those_by_hand(jib):
     assert (rod.limit, tube.limit) == (305.0, 355.0)
 
 
+def test_a_load_factor_is_on_the_cylinder_s_own_weight_too(jib):
+    """As twice the force and twice the weight of all, the cylinder's own included."""
+    factor = cylinder_checks(jib, overrides=["load_factor=2"])[0]
+    twice = ["gravity=0, -19.62 m/s2", "cycles.hoist.phases[0].forces.load=10 kN"]
+    stated = cylinder_checks(jib, overrides=twice)[0]
+    assert_allclose([one.value for one in factor], [one.value for one in stated], rtol=1e-6)
+
+
 def test_the_tube_holds_the_pressure_that_the_drive_has(jib):
     """25 MPa, more than the force takes: Lame's hoop stress and the pressure itself."""
     stated = 'forces.lift.available={bore="60 mm",rod="30 mm",pressure="25 MPa"}'

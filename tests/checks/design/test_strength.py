@@ -4,6 +4,7 @@
 
 import pickle
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
@@ -11,6 +12,7 @@ import pytest
 
 from ballesta.design.files import design_schema
 from ballesta.design.read import read_design
+from ballesta.pipeline import _assumed_here
 from checks.design.errors import DesignError, DesignErrors
 from checks.design.strength import ROUGHNESS, FkmStrength
 from fatigue import FKM_GROUPS, FkmMaterial
@@ -134,6 +136,19 @@ def test_the_section_of_marin_s_size_factor_is_refused_beside_fkm(tmp_path):
     assert machine(tmp_path, step + 'strength = "fkm"\n').parts["rod"].fkm is not None
     with pytest.raises(DesignError, match=r"parts\.rod\.section: belongs to Marin's chain"):
         machine(tmp_path, step + 'strength = "fkm"\nsection = "24, 8 mm"\n')
+
+
+@pytest.mark.parametrize(("thickness", "told"), [(3280.0, False), (3310.0, True)])
+def test_a_size_factor_beyond_its_data_is_told_as_assumed(thickness, told, tmp_path):
+    """0.808 sqrt(30 t) is 254 mm at 3294 mm; FKM has no such factor."""
+    design = machine(tmp_path)
+    rod = design.parts["rod"]
+    rod = replace(rod, geometry=replace(rod.geometry, thickness=thickness))
+    said = dict(_assumed_here(replace(design, parts={"rod": rod}))).get("parts.rod.strength")
+    assert (said is not None) == told
+    assert not told or "to 254.6 mm: 0.633 in place of 0.633" in said
+    judged = replace(rod, fkm=FkmStrength(FkmMaterial(410.0, "steel"), 25.0))
+    assert "parts.rod.strength" not in dict(_assumed_here(replace(design, parts={"rod": judged})))
 
 
 def test_a_brittle_part_is_told_once_that_it_is_brittle(tmp_path):

@@ -265,6 +265,24 @@ def test_forces_at_a_weld_are_those_of_the_formula_model(tmp_path, text, stretch
     assert_allclose(own["M_z"], beside.moment_z[0], atol=2e-3 * largest * LENGTH)
 
 
+def test_a_weld_of_a_toggle_bar_moves_the_mass_beyond_the_pin(tmp_path):
+    """Pulled by its far end along itself at a: N is all mass on the knee's side of the weld, times a.
+
+    Two cheeks of 30 x 3 mm from 15 mm before the pin to 10 mm behind it, less holes of 12 mm, then
+    the tube. Without what is beyond the pins, N was 1.04 of it.
+    """
+    design = machine(tmp_path, TOGGLE)
+    part, across = design.parts["rod"], 1e6
+    tube = 30.0**2 - 24.0**2 + (4 - pi) * 2.0**2
+    near = 25.0 * 180.0 - 6 * pi / 4 * 12.0**2 + 70.0 * tube
+    far = (LENGTH + 15.0 - 80.0) * tube - 6 * pi / 4 * 12.0**2
+    near, far = part.material.density * near, part.material.density * far
+    loads = loads_of({"knee": [(0.0, 0.0, 0.0)], "end": [((near + far) * across, 0.0, 0.0)]})
+    loads = replace(loads, accelerations=np.array([[across, 0.0, 0.0, 0.0]]))
+    force = weld._forces(LoadedPart(design, part, loads), part.welds[0])["N"]
+    assert_allclose(force, near * across, rtol=5e-3)  # a cell of the mass
+
+
 def test_a_weld_at_an_end_carries_the_force_there(tmp_path):
     tube = """
 [parts.rod]

@@ -85,7 +85,7 @@ def test_a_bar_that_is_only_pushed_bows_between_where_it_is_pressed():
     none, twisting = np.zeros(STATIONS), TWISTING
     both = BENDING, BENDING
     x = np.linspace(0.0, LENGTH, 33)
-    found = sideways(0.1, none, both, twisting, LENGTH, (20.0, LENGTH - 20.0), on_axis(x))
+    found = sideways(0.1, none, both, twisting, LENGTH, (20.0, LENGTH - 20.0), False, on_axis(x))
     slope = np.pi / 160.0
     wave = np.sin(slope * np.clip(x - 20.0, 0.0, 160.0)) + 20.0 * slope
     wave -= slope * (np.maximum(20.0 - x, 0.0) + np.maximum(x - 180.0, 0.0))
@@ -104,7 +104,7 @@ def test_a_bent_bar_s_mode_has_the_share_of_its_formula(push):
     moment = 2e4 * (1 - x / LENGTH)
     share = lateral_share(np.array([push]), moment[:, None], BENDING, TWISTING, LENGTH)[0]
     both = BENDING, BENDING
-    move = partial(sideways, push, moment, both, TWISTING, LENGTH, (0.0, LENGTH))
+    move = partial(sideways, push, moment, both, TWISTING, LENGTH, (0.0, LENGTH), False)
     aside, twist = move(on_axis(x))[:, 2], move(on_axis(x, 1.0))[:, 2] - move(on_axis(x))[:, 2]
     slope, rate = np.gradient(aside, x), np.gradient(twist, x)
     curved = np.gradient(slope, x)
