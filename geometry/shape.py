@@ -161,7 +161,10 @@ class Shape(ABC):
 
     @property
     def walls(self) -> Sequence[Walls]:
-        """Stretches across which a weld may run, the stress there known; none of most shapes."""
+        """Stretches across which a weld may run, the stress there known; none of most shapes.
+
+        A shape that has them tells its `profile`, of which the forces at a weld are.
+        """
         return ()
 
     @property

@@ -122,7 +122,7 @@ class ColumnStrength:
     slenderness     effective length over radius of gyration
     critical        MPa, the stress that governs
     governs         "yield", "Johnson" or "Euler"
-    euler  MPa
+    euler           MPa
     """
 
     slenderness: float
