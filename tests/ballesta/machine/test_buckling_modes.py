@@ -154,18 +154,20 @@ def test_nodes_of_a_rigid_body_turn_about_its_place():
 
 
 def test_a_plate_that_is_bent_aside_and_twists_moves_so_where_that_decides():
-    """Held sideways at its first two pins; the bores' ends beyond go on as they turn."""
-    result = checked("gallery/pumpjack")
+    """Held sideways at its saddle and the pin nearest to that; beyond, it goes on as it turns."""
+    result = checked("gallery/pumpjack", "require.buckling=25")
     assert (result.deciding.part, result.deciding.kind) == ("beam", "buckling")
     (beam,) = (part for part in result.parts if part.name == "beam")
     nodes, mode = beam.live.nodes, beam.live.mode
     assert np.linalg.norm(mode, axis=1).max() == pytest.approx(1)
     middle = np.abs(nodes[:, 2]) < 1e-6
     assert np.abs(mode[middle][:, :2]).max(initial=0.0) < 1e-9
-    design = read_design(DESIGNS / "gallery" / "pumpjack.toml").parts["beam"]
-    for pin in design.geometry.placed_interfaces[:2]:
+    part = read_design(DESIGNS / "gallery" / "pumpjack.toml").parts["beam"]
+    aside = {}
+    for pin in part.geometry.placed_interfaces:
         bore = np.linalg.norm(nodes[:, :2] - pin.centre[:2], axis=1) < 60.0
-        assert abs(mode[bore, 2].mean()) < 0.05
+        aside[pin.name] = abs(mode[bore, 2].mean())
+    assert max(aside["S"], aside["T"]) < 0.05 < 0.5 < aside["H"]
     assert "the bar is bent aside and twists" in beam.live.notes[-1]
     assert shown_of(result.deciding, result)["mode"]
 

@@ -262,7 +262,7 @@ def test_a_round_window_raises_the_stress_beside_it(radius):
 
 @pytest.mark.parametrize(("thickness", "plane"), [(60.0, "in plane"), (10.0, "out of plane")])
 def test_a_straight_lever_buckles_as_a_column(thickness, plane):
-    """In its plane from end to end; out of it held at its first two pins, the end beyond them free.
+    """In its plane from end to end; out of it held at A and the pin next to it, beyond that free.
 
     Out of it cot ka + cot kb = 1/(k a) of the arms between where pins press, 8/(3 pi) of a bore's
     radius off their middles; the bores take some of its stiffness, a tenth at most.
