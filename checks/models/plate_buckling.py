@@ -10,7 +10,7 @@ Where the loads were computed with another mass than the plate's, a rigid accele
 the rest, as in a solid.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import pairwise
@@ -189,12 +189,16 @@ def elastic_load(part: Part, forces: PlateForces) -> ElasticLoad | None:
     return replace(found, mode=mode) if aside > 0.0 else found
 
 
-def _holding(forces: PlateForces) -> tuple[str, str]:
-    """The bores at which the solid is held, the one that holds its twist first."""
+def _holding(forces: PlateForces, way: Sequence[str]) -> list[str]:
+    """The bores at which the solid is held, the one that holds its twist first.
+
+    Where one of them stands beside the way, the ends of the way, the nearest to that one first.
+    """
     at = {bore.name: np.array([bore.centre.real, bore.centre.imag]) for bore in forces.shape.bores}
     first = forces.loads.tilt_held_at or forces.names[0]
-    others = [name for name in forces.names if name != first]
-    return first, min(others, key=lambda name: nearness(at[name], at[first]))
+    near = sorted(forces.names, key=lambda name: (name != first, nearness(at[name], at[first])))
+    held = near[:2]
+    return held if {*held} <= {*way} else [name for name in near if name in (way[0], way[-1])]
 
 
 def _sideways(
@@ -257,10 +261,8 @@ def _sideways(
     if pulled:
         axial = np.minimum(axial, 0.0)
     names = [bore.name for bore in way]
-    held = [float(reached[names.index(name)]) for name in _holding(forces) if name in names]
-    if len(held) < 2:  # drawn plates: a pin that holds it stands beside the way
-        held = [0.0, float(reached[-1])]
-    bar, acts = LateralBar([chain], [(0, place) for place in held]), Acting(axial, moment, shear)
+    held = [(0, float(reached[names.index(name)])) for name in _holding(forces, names)]
+    bar, acts = LateralBar([chain], held), Acting(axial, moment, shear)
     share, position, stiff = bar.worst_of_forks([acts], pressed)
 
     def mode(nodes: FloatArray) -> FloatArray:
