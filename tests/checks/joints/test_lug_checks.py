@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from checks.by_formula import formula_checks
-from checks.by_formula.lug_shear_out import ligament_all_round, ligaments
+from checks.by_formula.lug_shear_out import _pull, ligament_all_round, ligaments
 from checks.part.loaded_part import LoadedPart
 from checks.stress.solid_mesh_level import Models
 from geometry.mesh import Interface
@@ -218,7 +218,12 @@ def test_the_ligament_of_a_part_from_cad_is_found_in_every_direction(plate):
     assert_allclose(areas_at(found, 25, 27.4), [8 * 34.45, 8 * 31.42], rtol=5e-4)
     assert (areas_at(found, 0, 10) == np.inf).all()
     many = np.arange(-180, 180, 2.5)
-    assert_allclose(areas_at(found, *many), [areas_at(found, one)[0] for one in many], rtol=1e-12)
+    alone = [areas_at(found, one)[0] for one in many]
+    assert_allclose(areas_at(found, *many), alone, rtol=1e-12)
+    towards = 500.0 * np.column_stack([np.cos(np.radians(many)), np.sin(np.radians(many))])
+    force, area = _pull(np.pad(towards, ((0, 0), (0, 4))), found)
+    assert_allclose(force, 500.0)
+    assert_allclose(area, alone, rtol=1e-9)
 
 
 @pytest.mark.parametrize("bottom", [-6, 4])
