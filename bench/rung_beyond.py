@@ -79,7 +79,6 @@ def loaded(loads: PartLoads, design: Design, part: Part, way: str) -> PartLoads 
         tuple(loads.labels[k] for k in rows),
         (name,) * len(rows),
         {face: reach[rows] for face, reach in loads.reaches.items()},
-        loads.tilting,
         loads.tilt_held_at,
     )
 
