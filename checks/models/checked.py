@@ -83,12 +83,16 @@ class Estimate:
     check         with its bars, all of them
     above, below  of the model band: how far the rung's own error reaches, in the check's unit
     guard         times the rung's bars that must leave the verdict as it is
+    in_bores      MPa, a formula's `raised_in_bores`; 0 for other checks
+    evened        MPa, its `evened_in`
     """
 
     check: Check
     above: float = 0.0
     below: float = 0.0
     guard: float = GUARD
+    in_bores: float = 0.0
+    evened: float = 0.0
 
     @property
     def spread(self) -> float:
@@ -204,28 +208,13 @@ def rung_estimates(
     loads = loaded.loads
     found: dict[str, Estimate] = {}
     if STATIC in kinds:
-        found[STATIC] = _stress_estimate(
-            loaded,
-            level,
-            static_words(loaded, level),
-            level.peak.value,
-            level.peak.point,
-            static_rise(level, loads),
-            raised_in_bores(loaded, level, None),
-            evened_in(loaded, level, None),
-        )
+        words, value, point = static_words(loaded, level), level.peak.value, level.peak.point
+        rise = static_rise(level, loads)
+        found[STATIC] = _stress_estimate(loaded, level, words, value, point, rise, None)
     if FATIGUE in kinds and use is not None:
-        words = fatigue_words(loaded, level, use)
-        found[FATIGUE] = _stress_estimate(
-            loaded,
-            level,
-            words,
-            use.value(level),
-            use.point(level),
-            fatigue_rise(level, loads, use),
-            raised_in_bores(loaded, level, use),
-            evened_in(loaded, level, use),
-        )
+        words, value, point = fatigue_words(loaded, level, use), use.value(level), use.point(level)
+        rise = fatigue_rise(level, loads, use)
+        found[FATIGUE] = _stress_estimate(loaded, level, words, value, point, rise, use)
     load = level.model.buckling if BUCKLING in kinds else None
     if load is not None and load.share > 0.0:
         found[BUCKLING] = _buckling_estimate(loaded, level.model, buckling_rise(loads, load, again))
@@ -239,10 +228,10 @@ def _stress_estimate(
     value: float,
     point: int,
     rise: float,
-    in_bores: float,
-    evened: float,
+    use: FatigueUse | None,
 ) -> Estimate:
     part, static, even = loaded.part, words.kind == STATIC, ""
+    in_bores, evened = raised_in_bores(loaded, level, use), evened_in(loaded, level, use)
     if evened:
         even = uncounted_words(part, loaded.uneven, max(evened, value), static=static)
     check = Check(
@@ -264,7 +253,8 @@ def _stress_estimate(
     )
     if loaded.loads.is_nothing:
         return Estimate(_told(check, 0.0, 0.0, NOTHING))
-    return _with_band(loaded, level.model, with_sampling(check, rise), in_bores)
+    found = _with_band(loaded, level.model, with_sampling(check, rise), in_bores)
+    return replace(found, in_bores=in_bores, evened=evened)
 
 
 def _buckling_estimate(loaded: LoadedPart, model: RungModel, rise: float) -> Estimate:
