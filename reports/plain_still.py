@@ -186,7 +186,7 @@ def _front(
 
 
 def _planes(corners: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """What is linear on triangles (k, m) at the pixel 0, 0, and its slopes over x and y."""
+    """Values (k, m) at the pixel 0, 0 of what is linear on triangles, and slopes over x and y."""
     across, down = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     area = across[:, 0] * down[:, 1] - across[:, 1] * down[:, 0]
     area = np.where(area != 0, area, np.inf)
