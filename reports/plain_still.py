@@ -159,7 +159,7 @@ def _front(
     """Pixels that are covered, the triangle in front there, and what else is linear on it (k, n).
 
     corners  (m, 3, 3 + k) x, y in pixels, depth and what else is linear between them
-    depth    (width * height,) from -inf; becomes that of the triangles in front
+    depth    (width * height,) from -inf; becomes the depth of the triangles in front
 
     Taken in portions that stay in the processor's cache, the nearest first: of a hidden one little
     is kept.
