@@ -108,17 +108,21 @@ def pack() -> LeafPack:
     return shape
 
 
-def leaf_limit(
+def leaf_limit(leaves: Part, surface: str | None = None, reliability: float | None = None) -> float:
+    """Return the endurance limit of a leaf at its clamp, as the design states it or changed."""
+    return marin_limit(leaves, surface, reliability).value / leaves.geometry.notch_factors["pivot"]
+
+
+def marin_limit(
     leaves: Part, surface: str | None = None, reliability: float | None = None
 ) -> fatigue.EnduranceLimit:
-    """Return Marin's limit of a leaf, as the design states it or changed."""
+    """Return Marin's limit of a leaf away from its clamp."""
     shape = leaves.geometry
     return fatigue.endurance_limit(
         leaves.material.ultimate_stress,
         leaves.surface if surface is None else surface,
         equivalent_diameter=fatigue.rectangle_equivalent_diameter(*shape.stressed_section),
         reliability=leaves.reliability if reliability is None else reliability,
-        fretting=shape.notch_factors["pivot"],
     )
 
 
@@ -151,19 +155,19 @@ def choices() -> Iterator[tuple[str, tuple[float, float, float, float]]]:
     leaves = part("S275, 430 MPa")
     ultimate = leaves.material.ultimate_stress
     shown = [nominal(Condition(*key)) for key in ((5, 0), (10, 0), (5, 20), (10, 20))]
-    stated = leaf_limit(leaves).value
+    stated = leaf_limit(leaves)
 
     def safeties(limit: float, on_mean: float = 1.0) -> tuple[float, float, float, float]:
         a, b, c, d = (leaf.goodman(limit, ultimate / on_mean) for leaf in shown)
         return a, b, c, d
 
     yield "as stated", safeties(stated)
-    yield "50 % survive", safeties(leaf_limit(leaves, reliability=0.5).value)
-    yield "99.9 % survive", safeties(leaf_limit(leaves, reliability=0.999).value)
-    yield "as forged", safeties(leaf_limit(leaves, surface="as_forged").value)
+    yield "50 % survive", safeties(leaf_limit(leaves, reliability=0.5))
+    yield "99.9 % survive", safeties(leaf_limit(leaves, reliability=0.999))
+    yield "as forged", safeties(leaf_limit(leaves, surface="as_forged"))
     factor = leaves.geometry.notch_factors["pivot"]
     yield "fretting factor on the mean too", safeties(stated, factor)
-    strict = leaf_limit(leaves, reliability=0.999).value
+    strict = leaf_limit(leaves, reliability=0.999)
     yield "99.9 % and the factor on the mean too", safeties(strict, factor)
     a, b, _, _ = safeties(stated)
     c, d = (_law(speed, 20).goodman(stated, ultimate) for speed in (5, 10))
@@ -203,7 +207,7 @@ def hand_table() -> str:
         for name in MATERIALS:
             leaves = part(name)
             material = leaves.material
-            safety = leaf.goodman(leaf_limit(leaves).value, material.ultimate_stress)
+            safety = leaf.goodman(leaf_limit(leaves), material.ultimate_stress)
             row += [f"{safety:.2f}", f"{leaf.langer(material.yield_stress):.2f}"]
         rows.append(row)
     return table(head, rows)
@@ -215,13 +219,14 @@ def limits_table() -> str:
     rows = []
     for name in (*MATERIALS, OWN):
         leaves = part(name)
-        limit = leaf_limit(leaves)
+        limit = marin_limit(leaves)
         stated = leaves.material
         row = [name, f"{stated.ultimate_stress:g}", f"{stated.yield_stress:g}"]
         row += [f"{limit.uncorrected:g}"]
-        factors = (limit.surface, limit.size, limit.reliability, limit.fretting)
-        row += [f"{factor:.3f}" for factor in factors]
-        rows.append([*row, f"{limit.value:.1f}"])
+        factors = (limit.surface, limit.size, limit.reliability)
+        fretting = 1 / leaves.geometry.notch_factors["pivot"]
+        row += [f"{factor:.3f}" for factor in (*factors, fretting)]
+        rows.append([*row, f"{leaf_limit(leaves):.1f}"])
     return table(head, rows)
 
 
@@ -238,8 +243,8 @@ def hand_part() -> str:
     ultimate = spring.material.ultimate_stress
     first, _, _ = NOTES.read_text(encoding="utf-8").partition(SECOND)
     return first.format(
-        spring=f"{worst.goodman(leaf_limit(spring).value, ultimate):.2f}",
-        ground=f"{worst.goodman(leaf_limit(spring, 'ground').value, ultimate):.1f}",
+        spring=f"{worst.goodman(leaf_limit(spring), ultimate):.2f}",
+        ground=f"{worst.goodman(leaf_limit(spring, 'ground'), ultimate):.1f}",
         weight=f"{weight_stress():.1f}",
         limits=limits_table(),
         table=hand_table(),

@@ -172,7 +172,7 @@ def edge_safety(condition: Condition, material: str) -> float:
     x = at.history.points[:, 0]
     faces = np.isin(at.history.nodes, at.solutions.mesh.surfaces["pivot"])
     edges = faces & (np.abs(np.abs(x) - half) < 0.01)
-    limit = leaf_limit(leaves).value
+    limit = leaf_limit(leaves)
     limits = np.full(len(x), endurance_of(leaves).value)
     limits[edges] = limit
     turn = np.ascontiguousarray(at.coefficients[:, over(condition)])
@@ -210,7 +210,7 @@ def verdict_row(condition: Condition, material: str) -> list[float]:
     found = check(condition, material)
     bar = found["fatigue"]
     return [
-        leaf.goodman(leaf_limit(leaves).value, ultimate),
+        leaf.goodman(leaf_limit(leaves), ultimate),
         bar.safety,
         edge_safety(condition, material),
         100 * bar.numerical / bar.value,

@@ -29,6 +29,7 @@ ELASTIC = Kind(
 )
 ELASTIC_SHARE = ELASTIC.quantity
 _SAME = 1e-9  # of a safety
+_ROUND_OFF = 1e-12  # of the largest force: no compression
 FAR = 3.0  # times the required safety: beyond it forks' fixity is not computed
 
 
@@ -93,7 +94,7 @@ def worst_compression(part: Part, loads: PartLoads) -> int | None:
         return None
     force = axial_compression(part, loads)
     (worst,) = first_largest(force)
-    return worst if force[worst] > 0 else None
+    return worst if force[worst] > _ROUND_OFF * loads.largest_force else None
 
 
 def eigenvalue_check(

@@ -1,7 +1,7 @@
 """Climbing the ladder: the formula where its error bars leave the verdict alone, else a solid."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from time import perf_counter
 
 from checks.design.data import Part
@@ -111,9 +111,7 @@ class Climb:
         assert leaves is not None
         assert doubts is not None
         return {
-            kind: Estimate(
-                doubts(leaves(estimate.check)), estimate.above, estimate.below, estimate.guard
-            )
+            kind: replace(estimate, check=doubts(leaves(estimate.check)))
             for kind, estimate in rung_estimates(
                 loaded, level, self.use, lambda some: shapes.model_of(self.part, some), kinds
             ).items()

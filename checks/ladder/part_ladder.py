@@ -25,7 +25,7 @@ from checks.ladder.leaf_checks import LeafBand
 from checks.ladder.part_fields import undrawn, with_drawn_fields
 from checks.ladder.result import cheap_result, solid_result, with_mode_by_formula
 from checks.models import stress_words
-from checks.models.checked import BUCKLING, FATIGUE, STATIC, evened_in, raised_in_bores
+from checks.models.checked import BUCKLING, FATIGUE, STATIC
 from checks.part.derived import Kind
 from checks.part.loaded_part import FIRST, LoadedPart
 from checks.part.part_loads import Doubt, PartLoads, Runs
@@ -305,13 +305,9 @@ def _with_rung_bars(
 ) -> Derivation:
     if part_loads.is_nothing:
         return replace(found, bars=BarSymbols(words="nothing loads the part"))
-    in_bores = evened = 0.0
-    if check.kind != "buckling":
-        use = None if check.kind == "static" else climb.use
-        in_bores = raised_in_bores(climb.loaded, level, use)
-        evened = evened_in(climb.loaded, level, use)
+    best = climb.best[check.kind]
     bars, items = rung_bars(
-        climb.part, part_loads, level.model, check, found.value, in_bores, evened
+        climb.part, part_loads, level.model, check, found.value, best.in_bores, best.evened
     )
     if (bars.above and not isfinite(check.model)) or (bars.below and not isfinite(check.below)):
         bars, items = BarSymbols(words="no model band: see the note of the check"), []

@@ -19,7 +19,7 @@ from checks.ladder.part_fields import as_it_buckles
 from checks.ladder.passing_fits import edges_that_pass
 from checks.ladder.section_fields import section_fields
 from checks.ladder.solid import RESCALED, check_solid
-from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC, Estimate, evened_in
+from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC, Estimate
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import (
     NOT_MESHED,
@@ -63,8 +63,7 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
         missed = climb.use.safety_missed(level)
         gates.append(Gate(f"{part.name}: fatigue safety", missed, *RESCALED))
     facts |= edges_that_pass(loaded, answered(climb), climb.with_edges)
-    uses = {STATIC: None, FATIGUE: climb.use}
-    bent = {kind: evened_in(loaded, level, uses[kind]) for kind in climb.best if kind in uses}
+    bent = {kind: climb.best[kind].evened for kind in (STATIC, FATIGUE) if kind in climb.best}
     facts |= by_run_in_edges(loaded, answered(climb), bent)
     assumed = [f"{FORMULA}: {level.model.neglects}", *edges_words(loaded, bent)]
     skin = models.skin(part.geometry)

@@ -83,12 +83,16 @@ class Estimate:
     check         with its bars, all of them
     above, below  of the model band: how far the rung's own error reaches, in the check's unit
     guard         times the rung's bars that must leave the verdict as it is
+    in_bores      MPa, a formula's `raised_in_bores`; 0 for other checks
+    evened        MPa, its `evened_in`
     """
 
     check: Check
     above: float = 0.0
     below: float = 0.0
     guard: float = GUARD
+    in_bores: float = 0.0
+    evened: float = 0.0
 
     @property
     def spread(self) -> float:
@@ -219,14 +223,15 @@ def rung_estimates(
 def _stress_estimate(
     loaded: LoadedPart, level: RungLevel, check: Check, use: FatigueUse | None
 ) -> Estimate:
-    evened = evened_in(loaded, level, use)
+    in_bores, evened = raised_in_bores(loaded, level, use), evened_in(loaded, level, use)
     if evened:
         largest = max(evened, check.value)
         even = uncounted_words(loaded.part, loaded.uneven, largest, static=use is None)
         check = replace(check, note="; ".join(text for text in (check.note, even) if text))
     if loaded.loads.is_nothing:
         return Estimate(_told(check, 0.0, 0.0, NOTHING))
-    return _with_band(loaded, level.model, check, raised_in_bores(loaded, level, use))
+    found = _with_band(loaded, level.model, check, in_bores)
+    return replace(found, in_bores=in_bores, evened=evened)
 
 
 def _buckling_estimate(loaded: LoadedPart, model: RungModel, rise: float) -> Estimate:

@@ -189,6 +189,14 @@ def elastic_load(part: Part, forces: PlateForces) -> ElasticLoad | None:
     return replace(found, mode=mode) if aside > 0.0 else found
 
 
+def _turned_into(arm: complex, wrench: FloatArray) -> FloatArray:
+    """A wrench (n, 6) with its forces along and across an arm, a unit vector."""
+    local = (wrench[:, 0] + 1j * wrench[:, 1]) * np.conj(arm)
+    found = wrench.copy()
+    found[:, 0], found[:, 1] = local.real, local.imag
+    return found
+
+
 def _holding(forces: PlateForces, way: Sequence[str]) -> list[str]:
     """The bores at which the solid is held, the one that holds its twist first.
 
@@ -208,7 +216,8 @@ def _sideways(
 
     None where an arm leaves the plate.
 
-    The section of a bore is the plate beside it, and turns the bore as a whole under its pressure.
+    The section of a bore is the plate beside it, and turns the bore as a whole under its pressure,
+    taken along the arm it is in; in a bend the mean along both arms.
 
     pulled  True if what pulls counts as nothing
     """
@@ -253,10 +262,14 @@ def _sideways(
         interpolated(np.array(places), np.array(rows), chain.points)
         for rows in np.swapaxes(np.array(acting), 0, 1)
     )
+    arms = np.diff([bore.centre for bore in way])
+    arms /= np.abs(arms)
     pressed = []
-    for bore, at in zip(way, reached, strict=True):
+    for k, (bore, at) in enumerate(zip(way, reached, strict=True)):
         radius = 0.0 if pulled else bore.diameter / 2
-        pressure = bore_pressure(radius, forces.loads.wrenches[bore.name])
+        wrench = forces.loads.wrenches[bore.name]
+        beside = [_turned_into(arm, wrench) for arm in arms[max(k - 1, 0) : k + 1]]
+        pressure = np.mean([bore_pressure(radius, local) for local in beside], axis=0)
         pressed.append(Pressed(0, float(at), pressure))
     if pulled:
         axial = np.minimum(axial, 0.0)

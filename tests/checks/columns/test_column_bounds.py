@@ -231,7 +231,7 @@ def asked(monkeypatch, folder, first, finer=None, turned=None, held=None, bar=0.
         modes = () if factor is None else (BucklingMode(factor, "in plane", np.zeros((1, 3))),)
         return Buckling(modes, proven, turned, np.inf)
 
-    def at(solutions, state, *, tilt_held):
+    def at(solutions, state, *, tilt_held, twist_held_at):
         return buckling(held if tilt_held else finer)
 
     def worst(*given, **named):

@@ -47,7 +47,6 @@ def loads(wrenches, reach=None):
         ("k = 0",),
         ("turn",),
         {} if reach is None else {"slot": np.array([reach])},
-        0.0,
         next(iter(wrenches)),
     )
 

@@ -49,7 +49,6 @@ def loads_of(wrenches, reaches=None, held="first"):
         tuple(f"k = {k}" for k in range(n)),
         ("turn",) * n,
         {name: np.array(values, dtype=float) for name, values in (reaches or {}).items()},
-        0.0,
         held,
     )
 

@@ -85,7 +85,6 @@ def pushed(first, second):
         ("k = 0",),
         ("turn",),
         {},
-        0.0,
         "first",
     )
 

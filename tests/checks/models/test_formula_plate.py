@@ -201,6 +201,21 @@ def test_a_lever_turned_and_mirrored_has_the_same_peak():
     assert_allclose(one.deflection, other.deflection, rtol=1e-6)
 
 
+def test_a_bent_lever_told_from_its_other_end_buckles_alike():
+    """Its axes are turned by 90 degrees then: the pressure in its bores was along x, not the arm.
+
+    Held against twisting at B, and sideways at C, the nearest, in both.
+    """
+    loads = {"A": (300, 3000), "B": (4200, -3000), "C": (-4500, 0)}
+    other_way = lever(((0, 36), (100, 56), (100 - 150j, 40)))
+    turned = {b: (-loads[a][1], loads[a][0]) for a, b in zip("ABC", "CBA", strict=True)}
+    shares = [
+        stress(part_of(shape), shape, replace(loads_of(acting), tilt_held_at="B")).buckling.share
+        for shape, acting in ((BENT, loads), (other_way, turned))
+    ]
+    assert_allclose(shares[1], shares[0], rtol=1e-6)
+
+
 def test_the_bend_is_stressed_like_a_curved_bar():
     loads = loads_of({"A": (0, 3000), "B": (4500, -3000), "C": (-4500, 0)})
     model = stress(part_of(BENT), BENT, loads)

@@ -49,7 +49,6 @@ def link_loads(part, along, across):
         ("k = 0",),
         ("turn",),
         {},
-        0.0,
         "first",
     )
 
