@@ -185,7 +185,7 @@ def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
         yield Fact("why open", open_reason(check))
     if check.status is Status.FAIL:
         yield Fact("why", "the limit is exceeded even at the lower end of the error bars")
-    for edges in run_in_edges(result):
+    for edges in run_in_edges(result) if result.status is Status.PASS else ():
         yield Fact("rests on", _short(edges))
     yield from _changes(result)
     yield from _ways(result)

@@ -270,7 +270,8 @@ class BodyPartEntry(PartEntry):
     tilt_held_at: str | None = Field(
         None,
         description="interface that takes the couples which the offsets leave, and holds the twist "
-        "of a part that buckles; else one without an offset, on the ground if there is one",
+        "of a part that buckles; else one without an offset, on the ground if there is one, the "
+        "first of the body's pins",
     )
 
 

@@ -1,7 +1,6 @@
 """Report of a part besides its checks: gates, meshes, facts, assumptions."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from math import degrees
 
 import numpy as np
@@ -11,8 +10,7 @@ from checks.design.data import Part
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.part.pressed_along import SOFT_LUGS, Stack, why_even
-from checks.result.verdict import Check, Gate, Status
-from checks.result.ways import run_in_fact
+from checks.result.verdict import Gate
 from checks.result.words import CONTACT
 from checks.stress.beyond_even import unevenness
 from checks.stress.pins_in_bores import CLEARANCES, MIDDLE, Contact
@@ -238,31 +236,6 @@ def edges_words(loaded: LoadedPart, bent: Mapping[str, float]) -> list[str]:
         )
         said.append(f"{words}; bent, {by}" if by else words)
     return said
-
-
-def by_run_in_edges(
-    loaded: LoadedPart, checks: Sequence[Check], bent: Mapping[str, float]
-) -> dict[str, float]:
-    """Upper ends of checks that pass by edges stated to have run in and by nothing else, by fact.
-
-    bent  kind of check -> MPa, with all bent pins; the bars are added to it
-    """
-    found: dict[str, float] = {}
-    for check in checks:
-        bores = [
-            bore
-            for bore in sorted(loaded.part.bore_edges)
-            if bore in loaded.uneven
-            and (stack := loaded.stack(bore)) is not None
-            and not (check.kind == "static" and stack.yields_even())
-        ]
-        more = bent.get(check.kind, 0.0) - check.value
-        if not bores or more <= 0 or check.status is not Status.PASS:
-            continue
-        pressed = replace(check, value=bent[check.kind])
-        if pressed.status is not Status.PASS:
-            found[run_in_fact(check.kind, bores)] = pressed.upper
-    return found
 
 
 def _in_band(part: Part, name: str, stack: Stack | None) -> str:

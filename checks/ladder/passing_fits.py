@@ -13,7 +13,7 @@ from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.part.pressed_along import that_count, why_even
 from checks.result.verdict import Check, Status
-from checks.result.ways import clearance_fact, edges_fact
+from checks.result.ways import clearance_fact, edges_fact, run_in_fact
 from checks.strength.part_strength import endurance_of
 from checks.stress.clearances import FIRST, some_positions, values_at
 from checks.stress.error_bars import Bars
@@ -170,6 +170,29 @@ def edges_that_pass(
         )
         for names, steel, one in islice(passing, 1):
             found[edges_fact(check.kind, names, steel=steel)] = one.limit / one.upper
+    return found
+
+
+def by_run_in_edges(
+    loaded: LoadedPart,
+    checks: Sequence[Check],
+    again: Callable[[LoadedPart, str], tuple[Check, Check]],
+) -> dict[str, float]:
+    """Upper end of each check that passes by edges stated to have run in, and not as cut, by fact.
+
+    again  as for `edges_that_pass`
+    """
+    found: dict[str, float] = {}
+    part = loaded.part
+    cut = replace(loaded, part=replace(part, bore_edges={}))
+    for check in checks:
+        if check.kind not in ("static", "fatigue") or check.status is not Status.PASS:
+            continue
+        counted = that_count(cut.part, loaded.uneven, static=check.kind == "static")
+        bores = sorted(counted.keys() & part.bore_edges.keys())
+        as_cut = again(cut, check.kind)[0] if bores else check
+        if as_cut.status is not Status.PASS:
+            found[run_in_fact(check.kind, bores)] = as_cut.upper
     return found
 
 

@@ -14,9 +14,9 @@ from checks.ladder.chart_data import charts_of
 from checks.ladder.climb import Climb, answered
 from checks.ladder.leaf_checks import friction_facts, friction_gates, leaf_band, with_leaf_checks
 from checks.ladder.levels import Asked, Say, first_of
-from checks.ladder.part_facts import SMALL_DISPLACEMENT, by_run_in_edges, edges_words, facts_of
+from checks.ladder.part_facts import SMALL_DISPLACEMENT, edges_words, facts_of
 from checks.ladder.part_fields import as_it_buckles
-from checks.ladder.passing_fits import edges_that_pass
+from checks.ladder.passing_fits import by_run_in_edges, edges_that_pass
 from checks.ladder.section_fields import section_fields
 from checks.ladder.solid import RESCALED, check_solid
 from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC, Estimate
@@ -63,8 +63,8 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
         missed = climb.use.safety_missed(level)
         gates.append(Gate(f"{part.name}: fatigue safety", missed, *RESCALED))
     facts |= edges_that_pass(loaded, answered(climb), climb.with_edges)
+    facts |= by_run_in_edges(loaded, answered(climb), climb.with_edges)
     bent = {kind: climb.best[kind].evened for kind in (STATIC, FATIGUE) if kind in climb.best}
-    facts |= by_run_in_edges(loaded, answered(climb), bent)
     assumed = [f"{FORMULA}: {level.model.neglects}", *edges_words(loaded, bent)]
     skin = models.skin(part.geometry)
     return PartResult(

@@ -28,7 +28,6 @@ from checks.ladder.levels import (
 )
 from checks.ladder.part_facts import (
     assumed_of,
-    by_run_in_edges,
     contact_facts,
     edges_words,
     facts_of,
@@ -36,7 +35,12 @@ from checks.ladder.part_facts import (
     mesh_row,
 )
 from checks.ladder.part_fields import solid_fields, with_mode
-from checks.ladder.passing_fits import clearances_that_pass, edges_that_pass, with_assumed_fits
+from checks.ladder.passing_fits import (
+    by_run_in_edges,
+    clearances_that_pass,
+    edges_that_pass,
+    with_assumed_fits,
+)
 from checks.models.stress_words import fatigue_check, static_check
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
@@ -127,7 +131,6 @@ def check_solid(
     assumed = assumed_of(loaded, finest)
     evened = {_kind(what): bars.evened for what, bars in solved.bars.items()}
     assumed += edges_words(loaded, evened)
-    arcs |= by_run_in_edges(loaded, stressed, evened)
     if finest.half:
         assumed.append(MEANING)
     if buckled.untold:
@@ -362,21 +365,25 @@ def _arcs_that_pass(
 def _edges_that_pass(
     loaded: LoadedPart, level: Level, checks: Sequence[Check], bars: Mapping[Judged, Bars]
 ) -> dict[str, float]:
-    """As `edges_that_pass`, on the last mesh; singular checks and those at edges are left out."""
+    """As `edges_that_pass` and `by_run_in_edges`, on the last mesh.
+
+    Singular checks and those at edges are left out.
+    """
     by_kind = {_kind(what): what for what in bars}
-    open_ones = {
+    finite = {
         check.kind: check for check in checks if isfinite(check.numerical) and check.kind in by_kind
     }
 
     def again(other: LoadedPart, kind: str) -> tuple[Check, Check]:
-        check, what = open_ones[kind], by_kind[kind]
+        check, what = finite[kind], by_kind[kind]
         now = bars[what]
         tried = banded(now, what, other.part, level, other.uneven)
         others = max(0.0, check.model - now.above)  # the loads' bars, another criterion's
         steel = replace(check, model=others + tried.above_steel)
         return replace(check, model=others + tried.above), steel
 
-    return edges_that_pass(loaded, list(open_ones.values()), again)
+    judged = list(finite.values())
+    return edges_that_pass(loaded, judged, again) | by_run_in_edges(loaded, judged, again)
 
 
 def _kind(what: Judged) -> str:
