@@ -476,7 +476,7 @@ def schema(
     if result:
         from reports.files import result_schema as wanted
     else:
-        from ballesta.design.files import design_schema as wanted
+        from ballesta.design.authoring import design_schema as wanted
 
     print(json_module.dumps(wanted(), indent=2))
 

@@ -386,7 +386,7 @@ def progress(path: Path) -> Iterator[Say]:
 
 def write_new(template: str, file: Path | None) -> int:
     """Print a template or write it to a file that does not exist yet; returns the exit code."""
-    from ballesta.design.files import new_design, templates
+    from ballesta.design.authoring import new_design, templates
 
     if not template:
         print("\n".join(name.replace("_", "-") for name in templates()))

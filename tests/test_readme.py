@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from ballesta.design.files import new_design
+from ballesta.design.authoring import new_design
 from ballesta.design.read import read_design
 from geometry.parts import PlateLink
 from tools.update_readme import folder

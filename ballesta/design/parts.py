@@ -38,6 +38,9 @@ def welds_of(
             f"Young's modulus of {material.youngs_modulus / 1e3:.4g} GPa says; leave them out",
         )
         return ()
+    if getattr(entry, "welds", ()) and geometry.walls and geometry.profile is None:
+        problems.add(f"{key}.welds", "the shape tells no profile, so no force in a weld is known")
+        return ()
     for index, stated in enumerate(getattr(entry, "welds", ())):
         here = f"{key}.welds[{index}]"
         try:

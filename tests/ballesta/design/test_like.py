@@ -6,7 +6,7 @@ from pathlib import Path
 import jsonschema
 import pytest
 
-from ballesta.design.files import design_schema
+from ballesta.design.authoring import design_schema
 from ballesta.design.read import read_design
 from checks.design.errors import DesignError, DesignErrors
 

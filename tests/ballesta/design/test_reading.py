@@ -8,7 +8,8 @@ from pathlib import Path
 import jsonschema
 import pytest
 
-from ballesta.design.files import design_schema, new_design, parse_override, templates
+from ballesta.design.authoring import design_schema, new_design, templates
+from ballesta.design.files import parse_override
 from ballesta.design.read import read_design
 from checks.design.errors import DesignError
 from checks.design.materials import known_materials

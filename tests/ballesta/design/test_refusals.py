@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ballesta.design.files import new_design
+from ballesta.design.authoring import new_design
 from ballesta.design.read import read_design
 from checks.design.errors import DesignError, DesignErrors
 

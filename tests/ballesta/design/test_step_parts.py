@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
-from ballesta.design.files import design_schema
+from ballesta.design.authoring import design_schema
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.pipeline import check_file

@@ -10,7 +10,7 @@ from pathlib import Path
 import jsonschema
 import pytest
 
-from ballesta.design.files import design_schema
+from ballesta.design.authoring import design_schema
 from ballesta.design.read import read_design
 from ballesta.pipeline import _assumed_here
 from checks.design.errors import DesignError, DesignErrors
