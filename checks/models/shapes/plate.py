@@ -118,28 +118,37 @@ def _add_bore(part: Part, points: Points, forces: PlateForces, bore: PlateBore) 
     wrench = forces.loads.wrenches[bore.name][:, [0, 1, 5]]
     pressed = points.columns(bearing_coefficients(wrench, inward=False).T, bearing_units(bore.name))
     if len(ways) == 1:
-        lug = _lug(part, shape, bore, ways[0], round_end=True)
-        _add_rim(points, forces, bore, pressed, lug, None)
+        angles = _from(ways[0])
+        lug = _lug(part, shape, bore, ways[0], angles, round_end=True)
+        _add_rim(points, forces, bore, pressed, angles, lug, None)
         return
     mean = (ways[0] - ways[1]) / abs(ways[0] - ways[1])
     inner = ways[0] + ways[1]
     cut = shape.outline.cut(middle, mean)
     assert cut is not None, "a bore's middle is inside of the outer contour"
     section = FlatSection(cut, shape.thickness)
-    passing = _passing(forces, section, bore, 1.0)
-    lug = _lug(part, shape, bore, mean, round_end=False)
-    _add_rim(points, forces, bore, pressed, lug, passing)
+    angles = _from(mean)
+    passing = _passing(forces, section, bore, 1.0, angles)
+    lug = _lug(part, shape, bore, mean, angles, round_end=False)
+    _add_rim(points, forces, bore, pressed, angles, lug, passing)
     if abs(inner) > _STRAIGHT:
-        lug = _lug(part, shape, bore, inner / abs(inner), round_end=True)
+        angles = _from(inner)
+        lug = _lug(part, shape, bore, inner / abs(inner), angles, round_end=True)
         arch = _Arch.of(shape, bore)
-        crown = np.maximum(np.cos(ANGLES - phase(-inner)), 0.0)
-        passing = _passing(forces, section, bore, 0.5)
+        crown = np.maximum(np.cos(angles - phase(-inner)), 0.0)
+        passing = _passing(forces, section, bore, 0.5, angles)
         passing *= (1 - (1 - arch.share) * crown**2)[:, None, None]
-        passing += _straightened(forces, section, bore, arch, inner / abs(inner))
-        _add_rim(points, forces, bore, pressed, lug, passing)
+        passing += _straightened(forces, section, bore, arch, inner / abs(inner), angles)
+        _add_rim(points, forces, bore, pressed, angles, lug, passing)
     for share in (0.0, 1.0):
         ahead = forces.is_ahead(section) | {bore.name: share}
         _add_fibres(points, forces, section, ahead, f"beside the bore {bore.name}")
+
+
+def _from(along: complex) -> FloatArray:
+    """Angles of a rim, rad, from a direction of the plate: the same places in any axes."""
+    angles: FloatArray = ANGLES + phase(along)
+    return angles
 
 
 @dataclass(frozen=True)
@@ -186,9 +195,14 @@ class _Arch:
 
 
 def _straightened(
-    forces: PlateForces, section: FlatSection, bore: PlateBore, arch: _Arch, inner: complex
+    forces: PlateForces,
+    section: FlatSection,
+    bore: PlateBore,
+    arch: _Arch,
+    inner: complex,
+    angles: FloatArray,
 ) -> FloatArray:
-    """Stress (k, 6, columns) at ANGLES of what bends the ligament on the outer side of a bend.
+    """Stress (k, 6, columns) at angles of what bends the ligament on the outer side of a bend.
 
     Its force N pulls the arch straight: N times its rise bends its crown, more at the bore as in a
     curved bar.
@@ -199,10 +213,10 @@ def _straightened(
     out = bore.centre - inner * arch.middle - section.cut.point
     at = (out / section.cut.along).imag
     even = axial / section.area - moment * (at - section.middle) / section.inertia
-    crown = np.cos(ANGLES - phase(-inner))
+    crown = np.cos(angles - phase(-inner))
     share = np.where(crown > 0, np.maximum(2 * crown**2 - 1, 0.0), 0.0)
     bent = 6 * arch.rise / arch.width * curved_bar(arch.width, arch.radius)
-    return _hoop(np.outer(share, even) * arch.share * bent)
+    return _hoop(np.outer(share, even) * arch.share * bent, angles)
 
 
 def _ways(shape: Plate, bore: PlateBore) -> list[complex]:
@@ -217,9 +231,15 @@ def _ways(shape: Plate, bore: PlateBore) -> list[complex]:
 
 
 def _lug(
-    part: Part, shape: Plate, bore: PlateBore, along: complex, *, round_end: bool
+    part: Part,
+    shape: Plate,
+    bore: PlateBore,
+    along: complex,
+    angles: FloatArray,
+    *,
+    round_end: bool,
 ) -> FloatArray:
-    """Stress (k, 6, 8) at ANGLES of a lug's rim, by patterns of the pin's pressure.
+    """Stress (k, 6, 8) at angles of a lug's rim, by patterns of the pin's pressure.
 
     along  to where it is held
     """
@@ -233,9 +253,9 @@ def _lug(
     end = None if round_end and abs(behind / half - 1) < _ROUND else behind
     outline = strip_outline(half, end, max(2 * BESIDE * half, 1.5 * radius))
     found = pin_loaded_hole(radius, outline, part.material.poisson_ratio)
-    own = np.zeros((len(ANGLES), 6, len(PATTERNS)))
+    own = np.zeros((len(angles), 6, len(PATTERNS)))
     turn = phase(along)
-    rim = radius * np.exp(1j * (ANGLES - turn))
+    rim = radius * np.exp(1j * (angles - turn))
     own[:, [0, 1, 3]] = Lug(found, shape.thickness).stress(rim)
     basis = own.copy()
     for n in HARMONICS:
@@ -252,11 +272,12 @@ def _add_rim(
     forces: PlateForces,
     bore: PlateBore,
     pressed: list[int],
+    angles: FloatArray,
     lug: FloatArray,
     passing: FloatArray | None,
 ) -> None:
     """Add the rim with the stress of its lug and of what passes it."""
-    at = bore.centre + bore.diameter / 2 * np.exp(1j * ANGLES)
+    at = bore.centre + bore.diameter / 2 * np.exp(1j * angles)
     places = np.column_stack([at.real, at.imag, np.zeros(len(at))])
     if passing is None:
         points.add_block(bore.name, places, pressed, lug)
@@ -267,9 +288,9 @@ def _add_rim(
 
 
 def _passing(
-    forces: PlateForces, section: FlatSection, bore: PlateBore, share: float
+    forces: PlateForces, section: FlatSection, bore: PlateBore, share: float, angles: FloatArray
 ) -> FloatArray:
-    """Stress (k, 6, columns) at ANGLES of a bore's rim, of what the arms pass on past it.
+    """Stress (k, 6, columns) at angles of a bore's rim, of what the arms pass on past it.
 
     share  of the pin's own force that is counted to the arm ahead
     """
@@ -280,15 +301,15 @@ def _passing(
     rate = -moment / filled.inertia * bore.diameter / 2
     sheared = 1.5 * shear / filled.area
     width = 2 * min(forces.shape.outline.reach(bore.centre, along * side) for side in (1j, -1j))
-    waves = open_hole(ANGLES - phase(along), bore.diameter / width)
+    waves = open_hole(angles - phase(along), bore.diameter / width)
     hoop = waves @ np.stack([even, rate, sheared])
-    return _hoop(hoop)
+    return _hoop(hoop, angles)
 
 
-def _hoop(hoop: FloatArray) -> FloatArray:
-    """Stress (k, 6, columns) of a hoop stress (k, columns) at ANGLES."""
-    s, c = np.sin(ANGLES)[:, None], np.cos(ANGLES)[:, None]
-    found = np.zeros((len(ANGLES), 6, hoop.shape[1]))
+def _hoop(hoop: FloatArray, angles: FloatArray) -> FloatArray:
+    """Stress (k, 6, columns) of a hoop stress (k, columns) at angles."""
+    s, c = np.sin(angles)[:, None], np.cos(angles)[:, None]
+    found = np.zeros((len(angles), 6, hoop.shape[1]))
     found[:, 0], found[:, 1], found[:, 3] = hoop * s**2, hoop * c**2, -hoop * s * c
     return found
 
@@ -314,8 +335,9 @@ def _add_window(points: Points, forces: PlateForces, middle: complex, radius: fl
     if cut is None:
         return
     own = PlateBore("", 2 * radius, (middle.real, middle.imag))
-    basis = _passing(forces, FlatSection(cut, shape.thickness), own, 0.0)
-    at = middle + radius * np.exp(1j * ANGLES)
+    angles = _from(along)
+    basis = _passing(forces, FlatSection(cut, shape.thickness), own, 0.0, angles)
+    at = middle + radius * np.exp(1j * angles)
     places = np.column_stack([at.real, at.imag, np.zeros(len(at))])
     points.add_block("round window", places, forces.columns, basis)
 

@@ -201,6 +201,24 @@ def test_a_lever_turned_and_mirrored_has_the_same_peak():
     assert_allclose(one.deflection, other.deflection, rtol=1e-6)
 
 
+def test_a_lever_drawn_in_other_axes_has_the_same_stress_around_its_bores():
+    """The places around a bore follow the lever: every 10 deg of its axes gave up to 0.4 % less."""
+    loads = {"A": (300, 3000), "B": (4200, -3000), "C": (-4500, 0)}
+    turn = np.exp(1j * np.radians(37.0))
+    turned = lever(((0, 40), (150 * turn, 56), ((150 + 100j) * turn, 36)))
+    along = {name: complex(*force) * turn for name, force in loads.items()}
+    acting = {name: (force.real, force.imag) for name, force in along.items()}
+    models = [
+        stress(part_of(shape), shape, loads_of(forces))
+        for shape, forces in ((BENT, loads), (turned, acting))
+    ]
+    for name in "ABC":
+        found = [
+            von_mises(model.history.at(0))[np.array(model.places) == name].max() for model in models
+        ]
+        assert_allclose(found[1], found[0], rtol=1e-9)
+
+
 def test_a_bent_lever_told_from_its_other_end_buckles_alike():
     """Its axes are turned by 90 degrees then: the pressure in its bores was along x, not the arm.
 
