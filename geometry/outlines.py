@@ -357,26 +357,43 @@ class PlateOutline:
         )
 
     def reach(self, point: complex, way: complex) -> float:
-        """Way from a point inside to the outer contour, mm, along a unit vector."""
-        places, _, _ = self.outer.edges.crossings(self._beside(point, -1j * way), -1j * way)
-        ahead = places[places > 0]
-        return float(ahead[0]) if len(ahead) else 0.0
+        """Way from a point inside to the outer contour, mm, along a unit vector.
 
-    def _beside(self, point: complex, along: complex) -> complex:
-        """A point so near that no corner lies on the section through it."""
+        The shorter one of both sides of a way that meets a corner.
+        """
+        found = []
+        for at in self._beside(point, -1j * way):
+            places, _, _ = self.outer.edges.crossings(at, -1j * way)
+            ahead = places[places > 0]
+            found.append(float(ahead[0]) if len(ahead) else 0.0)
+        return min(found)
+
+    def _beside(self, point: complex, along: complex) -> Iterator[complex]:
+        """Points so near that no corner lies on the sections through them, on either side."""
         corners = np.concatenate([contour.edges.starts for contour in (self.outer, *self.inner)])
-        step = _ON_CORNER * self.size * along
-        while (np.abs(((corners - point) * np.conj(along)).real) < 1e-12 * self.size).any():
-            point += step
-        return point
+        away = np.abs(((corners - point) * np.conj(along)).real) / self.size
+        if away.min() >= 1e-12:
+            yield point
+            return
+        for step in (_ON_CORNER * self.size * along, -_ON_CORNER * self.size * along):
+            at = point + step
+            while (np.abs(((corners - at) * np.conj(along)).real) < 1e-12 * self.size).any():
+                at += step
+            yield at
 
     def cut(self, point: complex, along: complex) -> Cut | None:
         """The section through a point inside, across a unit vector.
 
-        None where the point is outside of the outer contour.
+        Of the two at a corner or an edge across, where the width may step, the narrower one. None
+        where the point is outside of the outer contour.
         """
         along = along / abs(along)
-        point = self._beside(point, along)
+        cuts = [self._cut(at, along) for at in self._beside(point, along)]
+        met = [found for found in cuts if found is not None]
+        return min(met, key=lambda found: float(np.diff(found.spans).sum()), default=None)
+
+    def _cut(self, point: complex, along: complex) -> Cut | None:
+        """The section through a point, on which no corner lies."""
         edges = self.outer.edges
         places, numbers, shares = edges.crossings(point, along)
         after = int(np.searchsorted(places, 0.0))

@@ -60,6 +60,17 @@ def test_both_sides_of_a_slanted_section_make_up_the_plate(angle):
             assert_allclose(total, getattr(plate.moments, kind), rtol=1e-9)
 
 
+@pytest.mark.parametrize("along", [1, -1])
+@pytest.mark.parametrize("wide_first", [True, False])
+def test_a_section_where_the_width_steps_is_the_narrower_one(along, wide_first):
+    corners = (0, 50, 50 + 10j, 100 + 10j, 100 + 30j, 50 + 30j, 50 + 40j, 40j)
+    if not wide_first:
+        corners = tuple(100 - complex(at).conjugate() for at in corners)[::-1]
+    stepped = PlateOutline(Contour.of(corners, (0.0,) * 8))
+    cut = stepped.cut(50 + 20j, along)
+    assert_allclose(np.sort(cut.ends), [-10, 10], rtol=1e-12)
+
+
 def test_an_arm_that_folds_back_beyond_the_line_is_on_its_own_side():
     corners = (0, 100, 100 + 60j, 30 + 60j, 30 + 40j, 80 + 40j, 80 + 20j, 20j)
     hook = PlateOutline(Contour.of(corners, (0.0,) * 8))
