@@ -3,7 +3,7 @@
 No part is solved again: the stresses stay, and the formulas of the checks' derivations are
 evaluated with other numbers put in. Error bars stay in proportion to their value. A factor on all
 loads divides the safeties. Where pins press by contact, whose arc it changes, loads, clearances and
-arcs lie between those that a solid's check has solved (`checks.ladder.chart_data`).
+arcs lie between those that a solid's check has solved (`checks.ladder.pin_settings`).
 """
 
 import re

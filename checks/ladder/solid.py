@@ -14,7 +14,7 @@ from checks.columns.stability import eigenvalue_check
 from checks.derivations.buckling import solid_share
 from checks.derivations.stresses import of_solid
 from checks.design.data import Part
-from checks.ladder.chart_data import charts_of, pins_data
+from checks.ladder.chart_data import charts_of
 from checks.ladder.edge_checks import NotJudged, edge_fatigue, edge_static, known_at_edges
 from checks.ladder.hand_calculations import hand_checks
 from checks.ladder.levels import (
@@ -41,6 +41,7 @@ from checks.ladder.passing_fits import (
     edges_that_pass,
     with_assumed_fits,
 )
+from checks.ladder.pin_settings import pins_data
 from checks.models.stress_words import fatigue_check, static_check
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads

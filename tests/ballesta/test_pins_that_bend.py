@@ -12,11 +12,11 @@ from ballesta.sweeps.screen import Screening
 from checks.by_formula import pin_bending
 from checks.derivations.bars import rung_bars, solid_bars
 from checks.design.errors import DesignError
-from checks.ladder.chart_data import pins_data
 from checks.ladder.climb import start_climb
 from checks.ladder.levels import Asked, first_level
 from checks.ladder.part_facts import assumed_of, edges_words
 from checks.ladder.passing_fits import edges_that_pass
+from checks.ladder.pin_settings import pins_data
 from checks.ladder.result import cheap_result
 from checks.ladder.solid import check_solid
 from checks.models import shapes

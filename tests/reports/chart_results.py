@@ -26,8 +26,7 @@ def haigh(n):
     share = 0.5 - 0.5 * np.cos(np.linspace(0, 2 * np.pi, n))
     share[n // 2] = 1.0
     path = {"mean": (40 * share).tolist(), "amplitude": (35 * share).tolist()}
-    return results.haigh(n) | {"criterion": "Goodman", "pair": [0, n // 2],
-                               "paths": {"press": path}}  # fmt: skip
+    return results.haigh() | {"criterion": "Goodman", "paths": {"press": path}}
 
 
 def fkm(n):

@@ -15,7 +15,7 @@ import ballesta
 from ballesta.design.read import read_design
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
-from checks.ladder.chart_data import _beside
+from checks.ladder.pin_settings import _beside
 from checks.result.verdict import Gate
 from checks.result.words import CONTACT, check_titles
 from reports.page import report_html, write_report
