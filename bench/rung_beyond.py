@@ -50,6 +50,7 @@ FLOOR = 0.25  # of a growth: what few solids may not have shown
 PULLED = "buckling when pulled"  # a bound, and no estimate that a band stands around
 _FEWEST = 6  # solids that a growth needs
 _CONVERGED = 0.15
+_BUCKLING_KNOWN = 0.5  # of a solid's buckling: its own bar, from one mesh, may be so wide
 _NEAR, _FAR = 1.25, 3.0
 _SETTINGS = {"accuracy": 0.06, "most_unknowns": 90_000, "fineness": 0.7}
 _BUCKLED_UNKNOWNS = 250_000  # at most of the one mesh that buckling takes
@@ -217,8 +218,9 @@ def outside(lines: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, list[
     for line in lines.values():
         for kind, (value, numerical, above, below) in line["solid"].items():
             rung = line["rungs"].get(kind)
-            if not rung or (kind != BUCKLING and not numerical <= _CONVERGED * value):
-                continue  # buckling is known from one mesh, as in rung_bands
+            known_to = _BUCKLING_KNOWN if kind == BUCKLING else _CONVERGED
+            if not rung or not numerical <= known_to * value:
+                continue
             family = line["families"][kind]
             band = known_band(family, "formula", kind)
             far = distance_from(family, "formula", kind, line["scales"])
