@@ -60,7 +60,7 @@ def _bores(
 def _fit(
     pin: Part, entry: StackEntry, bush: Bush, bore: Interface, key: str, problems: Problems
 ) -> PressFit | None:
-    """The bush in a bore; None where it does not fit, or that is told elsewhere."""
+    """The bush in a bore; None where it does not fit."""
     shape, material = as_pin(pin.geometry), pin.bushes.get(entry.name)
     if shape is None or material is None:
         return None

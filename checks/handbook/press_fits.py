@@ -4,7 +4,7 @@ Plane stress. A bush of outer radius R, k times its inner one, gives way under a
 outside by p R b, b = ((k^2 + 1)/(k^2 - 1) - nu)/E, and a lug under p in its bore by p R l. What
 was larger than its hole by the interference s on diameter then fits: p R (b + l) = s/2. The lug's l
 is its own model's, from the stress all round the bore: a displacement that closes has the mean
-hoop strain, so that the mean of u/R is that of (sigma_t - nu sigma_r)/E. For a ring up to Q R it
+hoop strain, so that u/R and (sigma_t - nu sigma_r)/E have one mean. For a ring up to Q R it
 is ((Q^2 + 1)/(Q^2 - 1) + nu)/E, (1 + nu)/E in an endless plate (docs/theory/press_fits.md).
 """
 

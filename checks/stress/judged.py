@@ -171,7 +171,7 @@ class RaisedInBores:
     """Stress in the bores with more of the forces' share than on the assumed arcs.
 
     Lugs were compared under forces in their plane: the stress of couples out of it stays, and so
-    does that of bushes pressed in.
+    does the stress of bushes pressed in.
 
     more    share by which arcs that are not stated may have more
     uneven  bore -> how much more its bent pin presses at the most, and where

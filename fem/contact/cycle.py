@@ -186,8 +186,8 @@ class PartContact:
     coefficients  (n_basis, n_positions) of the part's unit loads, with any pressure in the bores
     pins          bore -> its pin
     finer         times as many hats as Persson's arc asks for
-    lasting       bore -> N of its even pressure that is no pin's: that of a bush pressed in, which
-                  is in the stress but moves no gap between bush and pin
+    lasting       bore -> N of its even pressure that is no pin's but a pressed bush's: it is in the
+                  stress and moves no gap between bush and pin
 
     Raises ContactError if a pin floats at all positions, ValueError without bores.
     """
