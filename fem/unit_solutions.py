@@ -51,6 +51,7 @@ _INTERFACE_MOTION = [0, 1, 5]
 _IN_PLANE, _OUT_OF_PLANE = [0, 1, 5], [2, 3, 4]
 _UNBALANCED = 1e-9  # of force times size: what loads may leave out of the plane
 _UNEVEN = 1e-4  # of the inertia: what a mesh that is not quite symmetric about z = 0 may leave
+EVEN = "cos 0"  # column of the even pressure in a bore, 1/(pi R L)
 _TILTING = ("M_x", "M_y")  # columns whose pressure has no resultant force, hence no direction
 
 
@@ -458,6 +459,7 @@ def direct_displacement(
     coefficients: FloatArray,
     arcs: Sequence[float],
     solved: Collection[str] = (),
+    lasting: Mapping[str, float] | None = None,
 ) -> FloatArray:
     """Displacement (3 n_nodes, n_arcs) at one position with cosine pressures on arcs, mm.
 
@@ -466,6 +468,7 @@ def direct_displacement(
                   contacts, inertia, and the couples about x and y of pins that tilt
     arcs          rad, full angles of contact of every bore and journal
     solved        names of those whose pressure is solved: their columns are used as they are
+    lasting       bore -> N of its even pressure that is no pin's, as of a bush pressed in
     """
     load = np.zeros((len(solutions.loads), len(arcs)))
     column = 0
@@ -479,9 +482,29 @@ def direct_displacement(
             planar = np.asarray(wrenches[unit.interface.name])[[0, 1, 5]]
             for k, arc in enumerate(arcs):
                 load[:, k] += direct_bearing(solutions.elements, unit, planar, arc)
+            even = solutions.loads[:, columns.start + unit.names.index(EVEN)]
+            load += ((lasting or {}).get(unit.interface.name, 0.0) * even)[:, None]
     inertia = slice(column, column + len(ACCELERATIONS))
     load += (solutions.loads[:, inertia] @ coefficients[inertia])[:, None]
     return solutions.solve(load)
+
+
+def even_columns(solutions: UnitSolutions) -> dict[str, int]:
+    """Column of the basis that is the even pressure in each bore, by its name."""
+    found, first = {}, 0
+    for unit in solutions.interfaces:
+        if unit.interface.kind == "bore":
+            found[unit.interface.name] = first + unit.names.index(EVEN)
+        first += len(unit.names)
+    return found
+
+
+def bore_flexibility(solutions: UnitSolutions, name: str) -> float:
+    """Mean outward displacement of a bore over an even pressure in it and its radius, 1/MPa."""
+    column = even_columns(solutions)[name]
+    # the work of 1/(pi R L) on its displacement is twice the mean of that
+    twice = solutions.loads[:, column] @ solutions.displacement[:, column] / solutions.mesh.share
+    return float(twice / 2 * np.pi * solutions.mesh.interfaces[name].length)
 
 
 def tilting_columns(solutions: UnitSolutions) -> IntArray:

@@ -191,7 +191,9 @@ def _value(kind: Any, metadata: Any = ()) -> Value:
         if isinstance(mark, Point):
             return Value("point in space", ('"250, 0, 0 mm"',))
         if isinstance(mark, FitOrClearance):
-            return Value("fit or clearance", ('"H7/f7"', '"0.02 .. 0.06 mm"'))
+            kind = "interference" if mark.pressed else "clearance"
+            examples = tuple(f'"{one}"' for one in mark.json_schema()["examples"])
+            return Value(f"fit or {kind}", examples)
         if isinstance(mark, Unit):
             units = tuple(
                 f'"{DIMENSIONS[one].example.partition(" ")[2]}"' for one in mark.dimensions

@@ -8,6 +8,7 @@ from typing import Any
 import loads
 from ballesta.design.files import Sources
 from ballesta.design.plate_parts import plate_geometry, shape_name, step_geometry
+from ballesta.design.press_fits import with_press_fits
 from checks.design.data import Part, Roller, Weld
 from checks.design.errors import LINKAGE, DesignError, Problems, listed, no_such
 from checks.design.materials import Material, known_materials
@@ -228,7 +229,7 @@ def parts_of(
         made = _part(name, entry, file, geometry, material, rollers, fkm, clearances)
         parts[name] = dataclasses.replace(made, welds=welds, bushes=bushes)
     check_stacks(parts, file.parts, problems)
-    return parts
+    return with_press_fits(parts, problems)
 
 
 def _rollers(

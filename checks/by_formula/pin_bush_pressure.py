@@ -44,3 +44,26 @@ def _heading(bush: BushOnPin) -> Heading:
         basis="allowable pressure as stated in the design",
         note=note,
     )
+
+
+def not_checked(loaded: LoadedPart) -> Iterator[str]:
+    """Bushes in a part's bores: what pressing them in leaves there, or that it is left out."""
+    part, design = loaded.part, loaded.design
+    for bore, point in part.interfaces.items():
+        fit = part.press_fits.get(bore)
+        if fit is not None:
+            yield (
+                f"the bush of {fit.pin} in {bore} is pressed in with {fit.least:.3g} to "
+                f"{fit.largest:.3g} mm of interference on diameter: the even pressure that this "
+                "leaves between elastic rings acts for good, in static checks and as a mean "
+                "stress; how much of it is left at working temperature, and what holds the bush in "
+                "place, is not checked"
+            )
+            continue
+        for pin in design.parts.values():
+            for index, entry in enumerate(pin.stack if pin.joint == point else ()):
+                if entry.bush is not None and entry.body == part.body:
+                    yield (
+                        f"the stress that pressing the bush of {pin.name} into {bore} leaves there "
+                        f"is left out, as parts.{pin.name}.stack[{index}].bush.fit is not stated"
+                    )

@@ -35,6 +35,11 @@ CONTACT = (
     "follows, and makes stress at the bore only (docs/theory/contact.md)"
 )
 
+PRESSED = (
+    "cos 0 of a bore that a bush is pressed into has the even pressure between them as well "
+    "(docs/theory/press_fits.md)"
+)
+
 
 def units_of(level: Stressed) -> Sequence[UnitName]:
     """Name of each unit load of a level with where it acts, and the unit of its coefficient."""
@@ -48,8 +53,12 @@ def units_of(level: Stressed) -> Sequence[UnitName]:
 
 def patterns_of(level: Stressed) -> str:
     """Meaning of the names of a level's unit loads."""
-    solved = isinstance(level, Level) and level.contact is not None
-    return f"{PATTERNS}. {CONTACT}" if solved else PATTERNS
+    told = [PATTERNS]
+    if isinstance(level, Level) and level.contact is not None:
+        told.append(CONTACT)
+    if isinstance(level, Level) and level.lasting:
+        told.append(PRESSED)
+    return ". ".join(told)
 
 
 def superposed(

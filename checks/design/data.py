@@ -11,6 +11,7 @@ from checks.design.materials import Material
 from checks.design.model import Column, Requirements, StackEntry
 from checks.design.strength import FkmStrength
 from checks.design.tables import DriveEntry, DynamicsEntry
+from checks.handbook.press_fits import PressFit
 from geometry.bars import Walls
 from geometry.shape import Shape
 from loads import MeasuredLoads
@@ -211,6 +212,7 @@ class Part:
     # bore -> "run_in" edges, as stated: pressed evenly along
     bore_edges: Mapping[str, str] = field(default_factory=dict)
     loose_pin: bool = False  # whether a stated fit leaves a narrower arc than solids compare
+    press_fits: Mapping[str, PressFit] = field(default_factory=dict)  # bore -> bush pressed into it
     fit_assumed: str = ""  # where `clearances` are from if the file states no fit, in words
 
 

@@ -48,6 +48,7 @@ from checks.design.units import (
     PositivePressureSpeed,
     PositiveStress,
     PositiveTurning,
+    PressedFit,
     Rate,
     Roughness,
     StatedFit,
@@ -143,6 +144,13 @@ class Bush(Table):
     allowable: PositiveStress = Field(description="allowable mean pressure")
     pv: PositivePressureSpeed | None = Field(
         None, description="allowable mean pressure times sliding speed"
+    )
+    fit: PressedFit | None = Field(
+        None,
+        description="how it is pressed in: ISO fit such as `H7/p6`, or the interference on "
+        "diameter such as `0.02 .. 0.05 mm`; the stress that it leaves in the lug for good then "
+        "joins that of the loads, and its bore closes, which narrows `fits`; where it is not "
+        "stated neither is counted",
     )
 
 
@@ -250,8 +258,9 @@ class BodyPartEntry(PartEntry):
     fits: dict[str, StatedFit] = Field(
         default_factory=dict,
         description="bore = ISO fit of its pin such as `H7/f7`, or the clearance on diameter such "
-        "as `0.02 .. 0.06 mm`: a solid then solves where the pin presses, over all of it, and "
-        "cheaper models take the arc from it and from the force, instead of `bearing_arc`",
+        "as `0.02 .. 0.06 mm`, in a bush as it is before it is pressed in: a solid then solves "
+        "where the pin presses, over all of it, and cheaper models take the arc from it and from "
+        "the force, instead of `bearing_arc`",
     )
     bore_edges: dict[str, EvenEdges] = Field(
         default_factory=dict,

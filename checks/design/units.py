@@ -72,7 +72,10 @@ _COMMON_UNITS = [
     *("mm", "cm", "m", "um", "inch", "N", "kN", "MN", "g", "kg", "t", "tonne", "Pa", "MPa", "GPa"),
     *("s", "ms", "min", "h", "Hz", "rad", "deg", "%"),
 ]
-_FITS = '"H7/f7", or a clearance on diameter such as "0.02 .. 0.06 mm"'
+_FITS = {  # by whether what is in the bore is pressed in
+    False: '"H7/f7", or a clearance on diameter such as "0.02 .. 0.06 mm"',
+    True: '"H7/p6", or an interference on diameter such as "0.02 .. 0.05 mm"',
+}
 MOST = 1e20  # N, mm, s, ...: what is larger than any machine's; its powers are finite numbers
 _MOST_STIFFNESS = 1e30  # N mm2: E I grows with the fourth power of a length
 _NO_MACHINE = "which is not finite or beyond any machine"
@@ -396,12 +399,18 @@ class Quantity(Marker):
 
 @dataclass(frozen=True)
 class FitOrClearance(Marker):
-    """Marks a fit of pin and bore: an ISO code (text, as it stands) or its clearances, mm."""
+    """Marks a fit of pin and bore: an ISO code (text, as it stands) or its clearances, mm.
+
+    pressed  True for the interferences of what is pressed in, above 0
+    """
+
+    pressed: bool = False
 
     def read(self, value: object) -> str | Pair:
         """Return a code such as "H7/f7" or least and largest clearance, or raise ValueError."""
+        wanted = f"must be a fit such as {_FITS[self.pressed]}, got {_shown(value)}"
         if not isinstance(value, str):
-            raise ValueError(f"must be a fit such as {_FITS}, got {_shown(value)}")
+            raise ValueError(wanted)
         if "/" in value:
             return value.strip()
         ends = value.split("..") if ".." in value else [value, value]
@@ -411,17 +420,19 @@ class FitOrClearance(Marker):
         try:
             least, largest = (measure(end.strip(), "length").value for end in ends)
         except ValueError:
-            raise ValueError(f"must be a fit such as {_FITS}, got {_shown(value)}") from None
-        if not 0.0 <= least <= largest:
+            raise ValueError(wanted) from None
+        if not 0.0 <= least <= largest or (self.pressed and not least):
+            kind = "an interference above" if self.pressed else "a clearance of at least"
             raise ValueError(
-                "must be a clearance of at least 0 mm, the smaller end first, such as "
+                f"must be {kind} 0 mm, the smaller end first, such as "
                 f'"0.02 .. 0.06 mm", got {_shown(value)}'
             )
         return least, largest
 
     def json_schema(self) -> dict[str, Any]:
         """Schema of the text, for editors."""
-        return {"type": "string", "examples": ["H7/f7", "0.02 .. 0.06 mm"]}
+        code = "H7/p6" if self.pressed else "H7/f7"
+        return {"type": "string", "examples": [code, "0.02 .. 0.06 mm"]}
 
 
 @dataclass(frozen=True)
@@ -494,6 +505,7 @@ Angle = Annotated[float, Quantity(("angle",))]
 BearingArc = Annotated[float, Quantity(("angle",), above=math.radians(30 - 1e-9), at_most=math.pi)]
 Rate = Annotated[float, Quantity(("rate",), above=0.0)]
 StatedFit = Annotated[str | Pair, FitOrClearance()]
+PressedFit = Annotated[str | Pair, FitOrClearance(pressed=True)]
 Fraction = Annotated[float, Quantity(("fraction",), above=0.0, below=1.0)]
 # where the normal distribution of endurance limits is meant (fatigue.marin.reliability_factor)
 Survival = Annotated[float, Quantity(("fraction",), at_least=0.5, at_most=0.999999)]

@@ -1,10 +1,12 @@
-"""Clearance of a pin in its bore from an ISO code of limits and fits, such as H7/f7.
+"""Clearance of a pin in its bore, or interference, from an ISO code of limits and fits.
 
 ISO 286-1: a bore lies between EI and EI + IT above its nominal diameter, a pin between es - IT
 and es. Standard tolerances IT5 to IT11 and the deviations es of pins d to h stand in the tables
 here, up to 500 mm; bores D to H have EI = -es. Read in a maker's table of h5 to h9 (BIG DAISHOWA
 catalogue, p. 139) and in the tables of two packages, pressfit 0.1.0 (all of these numbers) and
 isofits 1.0 (600 limits of 3 to 400 mm; 595 agree, the others contradict their own neighbours).
+What is pressed in, p to s, lies between ei and ei + IT: p in both packages, r above 3 mm in
+isofits and s in pressfit.
 """
 
 import re
@@ -28,6 +30,13 @@ _DEVIATIONS = {  # um below the nominal diameter of a pin, above that of a bore
     "g": (2, 4, 5, 6, 7, 9, 10, 12, 14, 15, 17, 18, 20),
     "h": (0,) * 13,
 }
+_BETWEEN = (65, 100, 140, 160, 200, 225, 280, 355)  # mm, where the steps of r and s are finer
+_PRESSED = {  # um above the nominal diameter: p by steps, the others by finer ones
+    "p": (6, 12, 15, 18, 22, 26, 32, 37, 43, 50, 56, 62),
+    "r": (10, 15, 19, 23, 28, 34, 41, 43, 51, 54, 63, 65, 68, 77, 80, 84, 94, 98, 108, 114),
+    "s": (14, 19, 23, 28, 35, 43, 53, 59, 71, 79, 92, 100, 108, 122, 130, 140, 158, 170, 190, 208),
+}
+_MOST_PRESSED = 400  # mm
 DEFAULT = "H7/f7"  # of a pin that turns in its bore, where a design states no fit
 _CODE = re.compile(r"\s*([A-Z]+)(\d+)\s*/\s*([a-z]+)(\d+)\s*")
 
@@ -40,22 +49,56 @@ def clearances_of(code: str, diameter: float) -> tuple[float, float]:
     >>> clearances_of("H7/f7", 44.0)
     (0.025, 0.075)
     """
-    found = _CODE.fullmatch(code)
-    if found is None:
-        raise ValueError(f"{code!r} is no fit; a fit reads bore/pin, such as H7/f7")
-    bore, bore_grade, pin, pin_grade = found.groups()
-    if not 0 < diameter <= _STEPS[-1]:
-        raise ValueError(f"fits are known up to {_STEPS[-1]} mm, the bore has {diameter:g} mm")
-    step = bisect_left(_STEPS, diameter)
+    bore, bore_grade, pin, pin_grade, step = _read(code, diameter, _STEPS[-1])
     for letter, shown in ((bore.lower(), bore), (pin, pin)):
         if letter not in _DEVIATIONS:
             raise ValueError(
                 f"fits with clearance are known for bores D to H and pins d to h, not {shown}; "
                 'state the clearance itself, such as "0.02 .. 0.06 mm"'
             )
+    least = _DEVIATIONS[bore.lower()][step] + _DEVIATIONS[pin][step]
+    play = _TOLERANCES[bore_grade][step] + _TOLERANCES[pin_grade][step]
+    return least / 1000, (least + play) / 1000
+
+
+def interferences_of(code: str, diameter: float) -> tuple[float, float]:
+    """Least and largest interference on diameter, mm, of a press fit such as "H7/p6".
+
+    diameter  mm, of the bore
+
+    Raises ValueError for a code that is none, one that this table does not hold, and one that may
+    leave no interference.
+
+    >>> interferences_of("H7/p6", 44.0)
+    (0.001, 0.042)
+    """
+    bore, bore_grade, pressed, grade, step = _read(code, diameter, _MOST_PRESSED)
+    if bore != "H" or pressed not in _PRESSED:
+        raise ValueError(
+            f"press fits are known for bores H and what is pressed in p, r and s, not "
+            f'{bore}/{pressed}; state the interference itself, such as "0.02 .. 0.05 mm"'
+        )
+    finer = sorted({*_STEPS, *_BETWEEN})
+    own = step if pressed == "p" else bisect_left(finer, diameter)
+    deviation = _PRESSED[pressed][own]
+    least = deviation - _TOLERANCES[bore_grade][step]
+    if least <= 0:
+        raise ValueError(
+            f"{code!r} may leave no interference: {least} um at {diameter:g} mm; state a tighter "
+            "fit, or the interference itself"
+        )
+    return least / 1000, (deviation + _TOLERANCES[grade][step]) / 1000
+
+
+def _read(code: str, diameter: float, largest: float) -> tuple[str, int, str, int, int]:
+    """Letters and grades of bore and pin, and the number of the step of a diameter."""
+    found = _CODE.fullmatch(code)
+    if found is None:
+        raise ValueError(f"{code!r} is no fit; a fit reads bore/pin, such as H7/f7")
+    bore, bore_grade, pin, pin_grade = found.groups()
+    if not 0 < diameter <= largest:
+        raise ValueError(f"fits are known up to {largest} mm, the bore has {diameter:g} mm")
     for grade in (bore_grade, pin_grade):
         if int(grade) not in _TOLERANCES:
             raise ValueError(f"tolerance grades are known from 5 to 11, not {grade}")
-    least = _DEVIATIONS[bore.lower()][step] + _DEVIATIONS[pin][step]
-    play = _TOLERANCES[int(bore_grade)][step] + _TOLERANCES[int(pin_grade)][step]
-    return least / 1000, (least + play) / 1000
+    return bore, int(bore_grade), pin, int(pin_grade), bisect_left(_STEPS, diameter)

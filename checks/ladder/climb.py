@@ -83,7 +83,7 @@ class Climb:
             self.skip(FORMULA, f"{GAVE_UP}: {error}")
             return False
         if model is None:
-            self.skip(FORMULA, f"there is no {FORMULA} of this shape")
+            self.skip(FORMULA, shapes.why_none(self.part, self.loads))
             return False
         self.level = rung_level(self.loaded, model)
         self.leaves = self.rubbing or leaf_band(self.loaded)

@@ -173,7 +173,7 @@ def assumed_of(loaded: LoadedPart, level: Level) -> list[str]:
     if _has_couples(level):
         said.append(
             "a couple about a bore's axis enters as an even tangential traction; keys, splines and "
-            "press fits are not modelled"
+            "press fits that bring it in are not modelled"
         )
     stated = _stated_mass(loaded)
     if stated:

@@ -57,7 +57,7 @@ from checks.strength.sampling import fatigue_rise, static_rise, with_sampling
 from checks.stress.error_bars import Bars, arcs_of, banded, bars_of, mesh_bar, singular_edge
 from checks.stress.judged import Judged, StaticPeak
 from checks.stress.kept_models import judging_seconds
-from checks.stress.solid_mesh_level import Level, Models, solve_level
+from checks.stress.solid_mesh_level import Level, Models, coefficients_of, solve_level
 from checks.stress.stress_result import Stressed
 from checks.stress.symmetry import MEANING, mode_surface, shown_surface
 from fem.buckling import BucklingMode
@@ -516,10 +516,7 @@ def _whole_again(
     """Solutions and coefficients of the whole part with the element sizes of a half."""
     part, loads = loaded.part, loaded.loads
     solutions = models.solutions(part.geometry, finest.fineness, elastic_of(part), sizes)
-    coefficients, _ = solutions.coefficients(
-        loads.wrenches, loads.accelerations, loads.reaches, loads.tilt_held_at
-    )
-    return solutions, coefficients
+    return solutions, coefficients_of(solutions, loads)[0]
 
 
 # Natural frequencies of a part by itself, its pins standing still.

@@ -34,6 +34,7 @@ from checks.models.bands import (
     unknown_load,
     walls_known,
 )
+from checks.models.formula_points import PRESSED_IN
 from checks.models.shapes import family_of
 from checks.models.stress_words import fatigue_check, static_check
 from checks.part.derived import VALUE, at_value
@@ -72,7 +73,8 @@ STOUT = 2.5
 ONLY_PULLED = "the part is only pulled, which buckles no column"
 NOTHING = "nothing loads the part at any position: no model would find a stress"
 _PRESSURE = " cos 0"  # the unit load that only an interface with a bearing pressure has
-_ACROSS = ("M_x", "M_y", "torque")  # in names of unit loads: couples out of the linkage's plane
+# in names of unit loads: couples out of the linkage's plane, and bushes, which no pin raises
+_ACROSS = ("M_x", "M_y", "torque", PRESSED_IN)
 _NEAR = 0.8  # of the largest fatigue use in bores: points that are asked again
 
 
@@ -403,7 +405,7 @@ def raised_in_bores(
     """Return the largest stress in such bores with more of the forces in the plane, MPa.
 
     0 without such a bore. As in a solid (checks/stress/error_bars.py), the stress of couples out of
-    the plane stays.
+    the plane and of bushes that are pressed in stays.
 
     use    how fatigue is judged; None for von Mises stress
     every  True with all bent pins, those that count in no band included

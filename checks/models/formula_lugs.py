@@ -1,24 +1,67 @@
-"""Points round a bore and on the outline of its lug, by the bore's wrench."""
+"""Points round a bore and on the outline of its lug, by the bore's wrench and a bush in it."""
 
 from collections.abc import Sequence
+from math import pi
 
 import numpy as np
 
+from checks.design.data import Part
 from checks.handbook.lug_stress import Lug, cartesian, polar
-from checks.handbook.pin_loaded_hole import ComplexArray
-from checks.models.formula_points import XX, XY, YY, Points, bearing_units, interface_units
+from checks.handbook.pin_loaded_hole import PATTERNS, ComplexArray
+from checks.models.formula_points import (
+    XX,
+    XY,
+    YY,
+    Points,
+    bearing_units,
+    interface_units,
+    pressed_unit,
+)
+from checks.part.part_loads import PartLoads
 from fem.unit_loads import bearing_coefficients
 from geometry.mesh import FloatArray
 
 ANGLES = np.radians(np.arange(0.0, 360.0, 10.0))
 
 
+def bore_columns(
+    points: Points,
+    part: Part,
+    loads: PartLoads,
+    name: str,
+    rim: FloatArray,
+    angles: FloatArray,
+    thickness: float,
+) -> tuple[list[int], list[int]]:
+    """Columns of what acts in a bore: the pin's pressure, and a bush that is pressed in.
+
+    rim        (k, 3, 8) xx, yy, xy at angles (k,), rad, per unit of the patterns, MPa
+    thickness  mm, of the lug
+
+    Returns their numbers, and which of the patterns each is of.
+    """
+    wrench = loads.wrenches[name][:, [0, 1, 5]]
+    columns = points.columns(bearing_coefficients(wrench, inward=False).T, bearing_units(name))
+    patterns = list(range(len(PATTERNS)))
+    fit = loads.press_fits.get(name)
+    if fit is None:
+        return columns, patterns
+    even = PATTERNS.index("cos 0")
+    hoop, *_ = polar(rim[:, :, even], angles)
+    per_pressure = pi * fit.radius * thickness * float(hoop.mean())
+    material = part.material
+    lug = (per_pressure + material.poisson_ratio) / material.youngs_modulus
+    force = np.full(len(wrench), fit.force(lug, thickness))
+    return [*columns, points.column(force, pressed_unit(name))], [*patterns, even]
+
+
 def add_bore(
     points: Points,
+    part: Part,
+    loads: PartLoads,
     name: str,
     centre: float,
     lug: Lug,
-    wrench: FloatArray,
     faces: Sequence[float],
     *,
     tilts: bool = False,
@@ -27,28 +70,28 @@ def add_bore(
     """Add the bore's rim, and places on the lug's edges, on some faces.
 
     centre  mm, x of the bore
-    wrench  (n, 6) on the bore, N and N mm
     faces   z, mm, where the lug's plane stress stands
     edges   x + i y from the bore's middle, on the first of the faces
     tilts   whether its couples about x and y act on the lug, whose middle plane is z = 0: then its
             faces are added, with these couples
     """
-    columns = points.columns(
-        bearing_coefficients(wrench[:, [0, 1, 5]], inward=False).T, bearing_units(name)
-    )
+    wrench = loads.wrenches[name]
     rim = lug.hole.radius * np.exp(1j * ANGLES)
     plane = lug.stress(rim)
+    columns, patterns = bore_columns(points, part, loads, name, plane, ANGLES, lug.thickness)
+    plane = plane[:, :, patterns]
     for z in faces:
         _add(points, name, centre, rim, z, _by_column(columns, plane))
     if edges is not None:
-        _add(
-            points, f"{name} edge", centre, edges, faces[0], _by_column(columns, lug.stress(edges))
-        )
+        stress = _by_column(columns, lug.stress(edges)[:, :, patterns])
+        _add(points, f"{name} edge", centre, edges, faces[0], stress)
     if not tilts:
         return
-    hoop, radial, shear = polar(plane.transpose(0, 2, 1).reshape(-1, 3), np.repeat(ANGLES, 8))
-    relieved = cartesian(lug.relief * hoop, radial, shear, np.repeat(ANGLES, 8))
-    own = _by_column(columns, relieved.reshape(-1, 8, 3).transpose(0, 2, 1))
+    count = len(columns)
+    every = np.repeat(ANGLES, count)
+    hoop, radial, shear = polar(plane.transpose(0, 2, 1).reshape(-1, 3), every)
+    relieved = cartesian(lug.relief * hoop, radial, shear, every)
+    own = _by_column(columns, relieved.reshape(-1, count, 3).transpose(0, 2, 1))
     turned = points.columns(wrench[:, 3:5].T, interface_units(name, ("M_x", "M_y")))
     tilt = lug.tilted(ANGLES)
     for z in (-lug.thickness / 2, lug.thickness / 2):

@@ -11,6 +11,7 @@ from fem.unit_loads import ACCELERATIONS
 from geometry.mesh import FloatArray, IntArray
 
 XX, YY, ZZ, XY, YZ, ZX = range(6)
+PRESSED_IN = " press fit"  # ends the name of that column
 _SECTION = {  # what acts in a section, and its unit
     "axial force": "N",
     "shear force": "N",
@@ -163,6 +164,11 @@ def interface_units(interface: str, columns: Sequence[str]) -> list[UnitName]:
 def bearing_units(interface: str) -> list[UnitName]:
     """Names of a bore's columns: harmonics of the pressure and the friction couple."""
     return interface_units(interface, PATTERNS)
+
+
+def pressed_unit(interface: str) -> UnitName:
+    """Name of the column of a bush that is pressed into a bore."""
+    return f"{interface}{PRESSED_IN}", "N"
 
 
 def wrench_units(place: str) -> list[UnitName]:

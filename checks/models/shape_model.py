@@ -27,6 +27,8 @@ class ShapeModel(Generic[S]):
     tilts   True if couples out of the linkage's plane are in the stress
     statics True if it has the inertia of its own bending, and stress by statics alone, whatever
             balances that: solids lie as near under other shares of loads across it
+    press_fits  True if bushes that are pressed into its bores are in the stress; without it a part
+            with such a bush has no formula
     """
 
     shape: type[S]
@@ -34,3 +36,4 @@ class ShapeModel(Generic[S]):
     family: Callable[[Part, S, PartLoads, str], str] = _by_name
     tilts: bool = False
     statics: bool = False
+    press_fits: bool = False

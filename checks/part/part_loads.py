@@ -4,7 +4,7 @@ A `Placing` is where a part stands in its body's frame, and turns the body's loa
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from math import atan2, cos, hypot, sin
 
@@ -13,6 +13,7 @@ import numpy as np
 import loads
 from checks.design.data import Cycle, Design, Part
 from checks.design.model import StackEntry
+from checks.handbook.press_fits import LARGEST, LEAST, PressFit
 from geometry.mesh import FloatArray, IntArray, MassProperties
 
 _LARGEST = 1e33  # N, N mm; squares and cubes of what is larger leave the range of numbers
@@ -119,6 +120,7 @@ class PartLoads:
     doubts         what the loads may be instead
     own_swing      mm along x -> (n,) N across, there: inertia of the part as it bends, beyond its
                    accelerations', in balance by itself
+    press_fits     bore -> the bush that is pressed into it, for good
     """
 
     wrenches: Mapping[str, FloatArray]
@@ -133,6 +135,7 @@ class PartLoads:
     doubts: tuple[PartDoubt, ...] = ()
     spins: Mapping[str, FloatArray] = field(default_factory=dict)
     own_swing: Mapping[float, FloatArray] = field(default_factory=dict)
+    press_fits: Mapping[str, PressFit] = field(default_factory=dict)
 
     @property
     def steps(self) -> IntArray:
@@ -268,7 +271,7 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
             "is a unit or an exponent wrong?"
         )
     _tilt(part, together, {name: np.concatenate(parts) for name, parts in handed.items()})
-    return PartLoads(
+    found = PartLoads(
         together,
         np.concatenate(accelerations),
         slices,
@@ -284,7 +287,24 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
         ),
         {name: np.concatenate(parts) for name, parts in spins.items()},
         _own_swing(part, placing, {name: solved[name] for name in slices}, design.load_factor),
+        part.press_fits,
     )
+    return replace(found, doubts=(*found.doubts, *_of_press_fits(found)))
+
+
+def _of_press_fits(loads: PartLoads) -> list[PartDoubt]:
+    """The range of interferences that each bush may have, as a doubt of the loads."""
+    return [
+        PartDoubt(
+            f"interference of the bush in {bore}, {fit.least:.3g} to {fit.largest:.3g} mm",
+            tuple(
+                replace(loads, press_fits={**loads.press_fits, bore: fit.at(share)}, doubts=())
+                for share in (LEAST, LARGEST)
+            ),
+        )
+        for bore, fit in loads.press_fits.items()
+        if fit.least < fit.largest
+    ]
 
 
 def _own_swing(part: Part, placing: Placing, runs: Runs, factor: float) -> dict[float, FloatArray]:

@@ -155,7 +155,9 @@ def direct_under(
     if missing:
         wrenches = {name: wrench[position] for name, wrench in loads.wrenches.items()}
         solved = level.solved_bores
-        moved = direct_displacement(level.solutions, wrenches, state, missing, solved)
+        moved = direct_displacement(
+            level.solutions, wrenches, state, missing, solved, level.lasting
+        )
         found = level.stress_of(moved)
         if level.contact is not None:  # short waves move nothing
             short = level.contact.short_waves
@@ -168,7 +170,8 @@ def direct_under(
 class RaisedInBores:
     """Stress in the bores with more of the forces' share than on the assumed arcs.
 
-    Lugs were compared under forces in their plane: the stress of couples out of it stays.
+    Lugs were compared under forces in their plane: the stress of couples out of it stays, and so
+    does the stress of bushes pressed in.
 
     more    share by which arcs that are not stated may have more
     uneven  bore -> how much more its bent pin presses at the most, and where
@@ -183,10 +186,12 @@ class RaisedInBores:
         """Stress (n, 6, n_arcs) in the bores, as `direct_under`, MPa."""
         points, solutions = level.in_bores, level.solutions
         tilting = tilting_columns(solutions)
-        couples = level.history.basis[points][:, :, tilting] @ level.coefficients[tilting, position]
+        staying = level.lasting_state.copy()
+        staying[tilting] = level.coefficients[tilting, position]
+        stays = level.history.basis[points] @ staying
         stress = direct_under(loads, level, position, arcs)[points]
         times = (1 + self.more) * self._bent(level)[:, None, None]
-        return np.asarray(times * stress - (times - 1) * couples[:, :, None])
+        return np.asarray(times * stress - (times - 1) * stays[:, :, None])
 
     def _bent(self, level: Level) -> FloatArray:
         """Times (n,) the even pressure at the points in the bores."""

@@ -5,7 +5,7 @@ the value, and over the whole range at some of them, for the model band (checks/
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -127,10 +127,12 @@ class PinnedBores:
 
     solutions  of the part, under assumed pressures
     fits       bore -> fit of its pin
+    lasting    bore -> N of its even pressure that is no pin's
     """
 
     solutions: UnitSolutions
     fits: Mapping[str, Fit]
+    lasting: Mapping[str, float] = field(default_factory=dict)
 
     @cached_property
     def harmonics(self) -> list[BoreHarmonics]:
@@ -156,7 +158,7 @@ class PinnedBores:
         finer   times as many hats of pressure as its arcs ask for
         """
         pins = {name: fit.pin(share, factor) for name, fit in self.fits.items()}
-        return PartContact(self.harmonics, coefficients, pins, finer)
+        return PartContact(self.harmonics, coefficients, pins, finer, self.lasting)
 
 
 def pinned_bores(solutions: UnitSolutions, fits: Mapping[str, Fit]) -> PinnedBores | None:

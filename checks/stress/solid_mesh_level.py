@@ -1,7 +1,7 @@
 """A part solved on one mesh: its stress history, peaks and fatigue, over all cycles of a design."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -23,7 +23,7 @@ from fem.singularity import (
 )
 from fem.stress_history import StressHistory
 from fem.unit_loads import ACCELERATIONS, IN_PLANE, inertia_of, resultants
-from fem.unit_solutions import UnitSolutions
+from fem.unit_solutions import UnitSolutions, bore_flexibility, even_columns
 from geometry.mesh import SYMMETRY, FloatArray, IntArray, MassProperties
 from geometry.sizing import element_sizes
 
@@ -39,6 +39,7 @@ class Level(Stressed):
     added   (n, 3) rigid-body acceleration field that balances foreign mass properties
     left_out  (k,) surface points whose stress counts nothing: at sharp edges judged apart
     contact   of pins whose fit is stated; `solutions` and the history are then those with it
+    lasting   bore -> N of its even pressure that a bush pressed in makes
     """
 
     fineness: float
@@ -46,6 +47,16 @@ class Level(Stressed):
     added: FloatArray
     left_out: IntArray = field(default_factory=lambda: np.array([], dtype=np.int64))
     contact: Contact | None = None
+    lasting: Mapping[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def lasting_state(self) -> FloatArray:
+        """Coefficients (n_basis,) of what bushes that are pressed in make."""
+        state = np.zeros(len(self.coefficients))
+        columns = even_columns(self.solutions)
+        for bore, force in self.lasting.items():
+            state[columns[bore]] = force
+        return state
 
     @property
     def half(self) -> bool:
@@ -255,10 +266,8 @@ def solve_level(
 
     Raises ContactError and MeshError where pins have no contact.
     """
-    coefficients, added = solutions.coefficients(
-        loads.wrenches, loads.accelerations, loads.reaches, loads.tilt_held_at
-    )
-    contact = None if pins is None else pins.contact(coefficients)
+    coefficients, added, lasting = coefficients_of(solutions, loads)
+    contact = None if pins is None else replace(pins, lasting=lasting).contact(coefficients)
     if contact is not None:
         solutions, coefficients = contact.solutions, contact.coefficients
     nodes = solutions.recovery.points
@@ -278,7 +287,27 @@ def solve_level(
         peaks_by_position=judged.peaks_by_position,
         duty=judged.duty,
         contact=contact,
+        lasting=lasting,
     )
+
+
+def coefficients_of(
+    solutions: UnitSolutions, loads: PartLoads
+) -> tuple[FloatArray, FloatArray, dict[str, float]]:
+    """Coefficients (n_basis, n) of the unit loads, what inertia was added (n, 3), what lasts.
+
+    What lasts, in both, is the even pressure, N of its unit load by bore, of bushes that are
+    pressed in: as the interference has it with how much this mesh's bore gives way.
+    """
+    coefficients, added = solutions.coefficients(
+        loads.wrenches, loads.accelerations, loads.reaches, loads.tilt_held_at
+    )
+    columns, lasting = even_columns(solutions), {}
+    for bore, fit in loads.press_fits.items():
+        length = solutions.mesh.interfaces[bore].length
+        lasting[bore] = fit.force(bore_flexibility(solutions, bore), length)
+        coefficients[columns[bore]] += lasting[bore]
+    return coefficients, added, lasting
 
 
 def peak_of(stress: FloatArray) -> float:

@@ -37,7 +37,17 @@ def shape_model(shape: S) -> ShapeModel[S] | None:
 def model_of(part: Part, loads: PartLoads) -> RungModel | None:
     """A part's stress by formula; None for one that no formula is known for."""
     model = shape_model(part.geometry)
-    return None if model is None else model.stress(part, part.geometry, loads)
+    if model is None or (loads.press_fits and not model.press_fits):
+        return None
+    return model.stress(part, part.geometry, loads)
+
+
+def why_none(part: Part, loads: PartLoads) -> str:
+    """Why no formula is known for a part, in words."""
+    model = shape_model(part.geometry)
+    if model is not None and loads.press_fits and not model.press_fits:
+        return "the formula of this shape knows no bush that is pressed in"
+    return "there is no formula of this shape"
 
 
 def family_of(part: Part, loads: PartLoads, kind: str) -> str:

@@ -11,18 +11,19 @@ import numpy as np
 from checks.design.data import Part
 from checks.handbook.lug_stress import Lug, curved_bar, strip_outline
 from checks.handbook.pin_loaded_hole import PATTERNS, CurvedSection, open_hole, pin_loaded_hole
-from checks.models.formula_lugs import ANGLES
-from checks.models.formula_points import Points, bearing_units
+from checks.models.formula_lugs import ANGLES, bore_columns
+from checks.models.formula_points import XX, XY, YY, Points
 from checks.models.plate_buckling import FlatSection, PlateForces, deflected, directed, elastic_load
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
-from fem.unit_loads import HARMONICS, bearing_coefficients
+from fem.unit_loads import HARMONICS
 from geometry.bars import BESIDE
 from geometry.mesh import FloatArray
 from geometry.outlines import ComplexArray
 from geometry.parts.plate import Plate, PlateBore
 
+_PLANE = [XX, YY, XY]
 _STATIONS = 13  # between two bores
 _ON_ARC = (0.1, 0.3, 0.5, 0.7, 0.9)  # of a hollow edge, where it is asked
 _ROUND = 0.05  # of half a width: an end that is as far as the sides are is round
@@ -113,14 +114,15 @@ def _add_bore(part: Part, points: Points, forces: PlateForces, bore: PlateBore) 
     through it, along the mean of their ways; where they bend, the pin may as well pull away from
     both, and then they hold it together as one shank on the inner side of the bend.
     """
-    shape, middle = forces.shape, bore.centre
+    shape, middle, thickness = forces.shape, bore.centre, forces.shape.thickness
     ways = _ways(shape, bore)
-    wrench = forces.loads.wrenches[bore.name][:, [0, 1, 5]]
-    pressed = points.columns(bearing_coefficients(wrench, inward=False).T, bearing_units(bore.name))
     if len(ways) == 1:
         angles = _from(ways[0])
         lug = _lug(part, shape, bore, ways[0], angles, round_end=True)
-        _add_rim(points, forces, bore, pressed, angles, lug, None)
+        columns = bore_columns(
+            points, part, forces.loads, bore.name, lug[:, _PLANE], angles, thickness
+        )
+        _add_rim(points, forces, bore, columns, angles, lug, None)
         return
     mean = (ways[0] - ways[1]) / abs(ways[0] - ways[1])
     inner = ways[0] + ways[1]
@@ -130,7 +132,8 @@ def _add_bore(part: Part, points: Points, forces: PlateForces, bore: PlateBore) 
     angles = _from(mean)
     passing = _passing(forces, section, bore, 1.0, angles)
     lug = _lug(part, shape, bore, mean, angles, round_end=False)
-    _add_rim(points, forces, bore, pressed, angles, lug, passing)
+    columns = bore_columns(points, part, forces.loads, bore.name, lug[:, _PLANE], angles, thickness)
+    _add_rim(points, forces, bore, columns, angles, lug, passing)
     if abs(inner) > _STRAIGHT:
         angles = _from(inner)
         lug = _lug(part, shape, bore, inner / abs(inner), angles, round_end=True)
@@ -139,7 +142,7 @@ def _add_bore(part: Part, points: Points, forces: PlateForces, bore: PlateBore) 
         passing = _passing(forces, section, bore, 0.5, angles)
         passing *= (1 - (1 - arch.share) * crown**2)[:, None, None]
         passing += _straightened(forces, section, bore, arch, inner / abs(inner), angles)
-        _add_rim(points, forces, bore, pressed, angles, lug, passing)
+        _add_rim(points, forces, bore, columns, angles, lug, passing)
     for share in (0.0, 1.0):
         ahead = forces.is_ahead(section) | {bore.name: share}
         _add_fibres(points, forces, section, ahead, f"beside the bore {bore.name}")
@@ -271,12 +274,14 @@ def _add_rim(
     points: Points,
     forces: PlateForces,
     bore: PlateBore,
-    pressed: list[int],
+    columns: tuple[list[int], list[int]],
     angles: FloatArray,
     lug: FloatArray,
     passing: FloatArray | None,
 ) -> None:
-    """Add the rim with the stress of its lug and of what passes it."""
+    """Add the rim with the stress of its lug and of what passes it; columns as `bore_columns`."""
+    pressed, patterns = columns
+    lug = lug[:, :, patterns]
     at = bore.centre + bore.diameter / 2 * np.exp(1j * angles)
     places = np.column_stack([at.real, at.imag, np.zeros(len(at))])
     if passing is None:
@@ -377,4 +382,4 @@ def _add_hollow_edges(points: Points, forces: PlateForces) -> None:
             _add(points, forces, f"hollow edge beside {near.name}", places, stresses)
 
 
-MODEL = ShapeModel(Plate, stress, family=family)
+MODEL = ShapeModel(Plate, stress, family=family, press_fits=True)

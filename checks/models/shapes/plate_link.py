@@ -39,7 +39,7 @@ def stress(part: Part, shape: PlateLink, loads: PartLoads) -> RungModel:
         found = pin_loaded_hole(hole / 2, outline, part.material.poisson_ratio)
         lug = Lug(found, thickness, mirrored=x > 0, twist_modulus=modulus)
         edges = strip_edges(half, None, half, 1.0 if x > 0 else -1.0)
-        add_bore(points, name, x, lug, loads.wrenches[name], (0.0,), edges=edges, tilts=True)
+        add_bore(points, part, loads, name, x, lug, (0.0,), edges=edges, tilts=True)
     low, high = shape.hole / 2, shape.length - second / 2
     places = np.linspace(low, high, _STATIONS + 2)[1:-1]
     add_rectangle_fibres(points, "plate", places, bar.at(places), (shape.width, thickness), modulus)
@@ -75,4 +75,4 @@ def _stretches(shape: PlateLink, holes: dict[str, tuple[float, float]]) -> Stret
     )
 
 
-MODEL = ShapeModel(PlateLink, stress, family=family, tilts=True)
+MODEL = ShapeModel(PlateLink, stress, family=family, tilts=True, press_fits=True)

@@ -65,7 +65,7 @@ def stress(part: Part, shape: SlottedLever, loads: PartLoads) -> RungModel | Non
     bar, points = whole.forces, whole.points
     room = {"pivot": shape.slot_from, "tip": shape.length - shape.slot_to}
     for name, bosses in (("pivot", 0.0), ("tip", 2 * shape.boss_height)):
-        _add_lug(part, points, shape, name, bosses, loads.wrenches[name], room[name])
+        _add_lug(part, points, shape, name, bosses, loads, room[name])
     _add_rails(part, points, shape, loads, bar)
     _add_foot(points, shape, bar)
     return whole.model(
@@ -81,7 +81,7 @@ def _add_lug(
     shape: SlottedLever,
     name: str,
     bosses: float,
-    wrench: FloatArray,
+    loads: PartLoads,
     room: float,
 ) -> None:
     """Add a bore as in a strip of the plate's width; the tip's is as thick as plate and bosses."""
@@ -94,7 +94,7 @@ def _add_lug(
     lug = Lug(hole, depth, mirrored=tip, twist_modulus=float(modulus))
     edges = strip_edges(half, shape.overhang, room, 1.0 if tip else -1.0)
     x = shape.length if tip else 0.0
-    add_bore(points, name, x, lug, wrench, (0.0,), edges=edges, tilts=True)
+    add_bore(points, part, loads, name, x, lug, (0.0,), edges=edges, tilts=True)
 
 
 @dataclass(frozen=True)
@@ -398,7 +398,7 @@ def _chord(diameter: float, x: FloatArray) -> FloatArray:
     return np.asarray(2 * np.sqrt(np.maximum(diameter**2 / 4 - x**2, 0.0)))
 
 
-MODEL = ShapeModel(SlottedLever, stress, tilts=True)
+MODEL = ShapeModel(SlottedLever, stress, tilts=True, press_fits=True)
 
 
 def rail_forces(

@@ -45,8 +45,7 @@ def stress(part: Part, shape: ToggleBar, loads: PartLoads) -> RungModel:
     for name, x in places.items():
         outward = -1.0 if name == "knee" else 1.0
         edges = strip_edges(shape.width / 2, shape.overhang, shape.width / 2, outward)
-        lug, wrench = lugs[name], loads.wrenches[name]
-        add_bore(points, name, x, lug, wrench, (shape.width / 2,), edges=edges)
+        add_bore(points, part, loads, name, x, lugs[name], (shape.width / 2,), edges=edges)
     sections = SectionForces(points, bar)
     start, stop = max(free, 0.0), shape.length - shape.hole / 2
     if start < stop:
@@ -181,4 +180,4 @@ def _add_cut_out(
     add_fibres(points, "cut-out corner", places, (y, z), columns, stress)
 
 
-MODEL = ShapeModel(ToggleBar, stress)
+MODEL = ShapeModel(ToggleBar, stress, press_fits=True)

@@ -42,7 +42,7 @@ def stress(part: Part, shape: TubeRod, loads: PartLoads) -> RungModel | None:
     for name, x in places.items():
         lug = Lug(hole, shape.eye_width, mirrored=x > 0)
         own = mirrored(edge) if x > 0 else edge
-        add_bore(points, name, x, lug, loads.wrenches[name], (0.0,), edges=own)
+        add_bore(points, part, loads, name, x, lug, (0.0,), edges=own)
     _add_tube(points, shape, bar)
     return whole.model(
         neglects="that a ball's eye is thinner towards its outline; where the tube's bore ends",

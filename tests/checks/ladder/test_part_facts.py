@@ -44,7 +44,7 @@ stack = [
 CHEEKS = "both cheeks carry the same share"
 COUPLES = (
     "a couple about a bore's axis enters as an even tangential traction; keys, splines and press "
-    "fits are not modelled"
+    "fits that bring it in are not modelled"
 )
 
 

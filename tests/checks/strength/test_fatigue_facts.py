@@ -79,7 +79,7 @@ def test_positions_of_equal_loads_share_one_solve_of_every_arc(monkeypatch):
     """The closed cycle comes back to its first loads; a third position has others."""
     asked = []
 
-    def solved(solutions, wrenches, coefficients, arcs, bores):
+    def solved(solutions, wrenches, coefficients, arcs, bores, lasting):
         asked.append((coefficients.tolist(), list(arcs)))
         return np.full((1, 6, len(arcs)), coefficients[0])
 
@@ -90,6 +90,7 @@ def test_positions_of_equal_loads_share_one_solve_of_every_arc(monkeypatch):
         coefficients=coefficients,
         direct_stresses={},
         solved_bores=(),
+        lasting={},
         contact=None,
         stress_of=lambda displacement: displacement,
     )

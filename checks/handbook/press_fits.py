@@ -1,0 +1,90 @@
+"""Bushes that are pressed into lugs: the pressure that the interference leaves, by Lame's rings.
+
+Plane stress. A bush of outer radius R, k times its inner one, gives way under a pressure p on its
+outside by p R b, b = ((k^2 + 1)/(k^2 - 1) - nu)/E, and a lug under p in its bore by p R l. What
+was larger than its hole by the interference s on diameter then fits: p R (b + l) = s/2. The lug's l
+is its own model's, from the stress all round the bore: a displacement that closes has the mean
+hoop strain, so that u/R and (sigma_t - nu sigma_r)/E have one mean. For a ring up to Q R it
+is ((Q^2 + 1)/(Q^2 - 1) + nu)/E, (1 + nu)/E in an endless plate (docs/theory/press_fits.md).
+"""
+
+from dataclasses import dataclass, replace
+from math import inf, pi
+from typing import Self
+
+MIDDLE, LEAST, LARGEST = 0.5, 0.0, 1.0  # share of the range of interferences
+
+
+@dataclass(frozen=True)
+class PressFit:
+    """A bush that is pressed into a bore.
+
+    least, largest  mm, interference on diameter
+    radius          mm, of the bore
+    ratio           of the bush's outer radius to its inner one
+    youngs_modulus  MPa, of the bush
+    poisson_ratio   of the bush
+    share           of the way from the least to the largest interference
+    pin             name of the part whose stack has the bush
+    """
+
+    least: float
+    largest: float
+    radius: float
+    ratio: float
+    youngs_modulus: float
+    poisson_ratio: float
+    share: float = MIDDLE
+    pin: str = ""
+
+    def at(self, share: float) -> Self:
+        """The same bush at another share of the way from the least to the largest interference."""
+        return replace(self, share=share)
+
+    @property
+    def interference(self) -> float:
+        """Interference on diameter, mm."""
+        return self.least + self.share * (self.largest - self.least)
+
+    @property
+    def flexibility(self) -> float:
+        """Inward displacement of the bush's outside, over pressure there and radius, 1/MPa."""
+        square = self.ratio**2
+        return ((square + 1) / (square - 1) - self.poisson_ratio) / self.youngs_modulus
+
+    def pressure(self, lug: float) -> float:
+        """Pressure between bush and lug, MPa.
+
+        lug  1/MPa, mean outward displacement of the bore over pressure in it and radius
+        """
+        return self.interference / (2 * self.radius) / (self.flexibility + lug)
+
+    def force(self, lug: float, length: float) -> float:
+        """Coefficient, N, of a unit harmonic 0 of pressure, 1/(pi R L): as `fem.unit_loads` has it.
+
+        lug     as for `pressure`
+        length  mm, of the bore
+        """
+        return self.pressure(lug) * pi * self.radius * length
+
+    def closing(self, lug: float) -> float:
+        """How much narrower the pressed bush is inside, mm on diameter.
+
+        lug  as for `pressure`
+        """
+        square = self.ratio**2
+        inner = 2 * self.radius / self.ratio
+        return inner * self.pressure(lug) * 2 * square / (square - 1) / self.youngs_modulus
+
+
+def ring_flexibility(ratio: float, youngs_modulus: float, poisson_ratio: float) -> float:
+    """Outward displacement of a ring's bore over pressure in it and radius, 1/MPa.
+
+    ratio  of its outer radius to the bore's; infinite in an endless plate
+
+    >>> round(210e3 * ring_flexibility(2.0, 210e3, 0.3), 3)
+    1.967
+    """
+    square = ratio**2
+    hoop = 1.0 if ratio == inf else (square + 1) / (square - 1)
+    return (hoop + poisson_ratio) / youngs_modulus
