@@ -319,6 +319,10 @@ def _write(exported: Exported, design: Design, level: Level, position: int) -> N
                 if design.parts[exported.part].clearances
                 else ()
             ),
+            *(
+                f"{bore}: even pressure of the bush pressed in with {fit.interference:.4g} mm"
+                for bore, fit in design.parts[exported.part].press_fits.items()
+            ),
             "Nodal forces hold these, inertia and weight; they balance, the supports carry nothing",
         ]
     )

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from ballesta.commands.export import export_part
 from ballesta.design.read import read_design
 from checks.by_formula import not_checked
 from checks.derivations.stresses import static
@@ -290,6 +291,13 @@ def test_a_shape_whose_formula_knows_no_bush_has_none_with_one(tmp_path, monkeyp
     monkeypatch.setattr(shapes, "shape_model", lambda _: replace(known, press_fits=False))
     assert shapes.model_of(silent.part, silent.loads) is not None
     assert shapes.model_of(pressed.part, pressed.loads) is None
+
+
+def test_a_deck_for_another_program_has_the_bush_and_says_so(tmp_path):
+    link(tmp_path)
+    export_part(tmp_path / "machine.toml", "rod", out=tmp_path / "rod.inp")
+    deck = (tmp_path / "rod.inp").read_text(encoding="utf-8")
+    assert "first: even pressure of the bush pressed in with 0.03 mm" in deck
 
 
 def test_assumptions_name_the_bush(tmp_path):
