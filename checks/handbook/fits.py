@@ -6,7 +6,7 @@ here, up to 500 mm; bores D to H have EI = -es. Read in a maker's table of h5 to
 catalogue, p. 139) and in the tables of two packages, pressfit 0.1.0 (all of these numbers) and
 isofits 1.0 (600 limits of 3 to 400 mm; 595 agree, the others contradict their own neighbours).
 What is pressed in, p to s, lies between ei and ei + IT: p in both packages, r above 3 mm in
-isofits and s in pressfit.
+isofits (not known up to there) and s in pressfit.
 """
 
 import re
@@ -31,9 +31,10 @@ _DEVIATIONS = {  # um below the nominal diameter of a pin, above that of a bore
     "h": (0,) * 13,
 }
 _BETWEEN = (65, 100, 140, 160, 200, 225, 280, 355)  # mm, where the steps of r and s are finer
+_UNREAD = 0  # of r up to 3 mm no table was opened
 _PRESSED = {  # um above the nominal diameter: p by steps, the others by finer ones
     "p": (6, 12, 15, 18, 22, 26, 32, 37, 43, 50, 56, 62),
-    "r": (10, 15, 19, 23, 28, 34, 41, 43, 51, 54, 63, 65, 68, 77, 80, 84, 94, 98, 108, 114),
+    "r": (_UNREAD, 15, 19, 23, 28, 34, 41, 43, 51, 54, 63, 65, 68, 77, 80, 84, 94, 98, 108, 114),
     "s": (14, 19, 23, 28, 35, 43, 53, 59, 71, 79, 92, 100, 108, 122, 130, 140, 158, 170, 190, 208),
 }
 _MOST_PRESSED = 400  # mm
@@ -81,6 +82,11 @@ def interferences_of(code: str, diameter: float) -> tuple[float, float]:
     finer = sorted({*_STEPS, *_BETWEEN})
     own = step if pressed == "p" else bisect_left(finer, diameter)
     deviation = _PRESSED[pressed][own]
+    if deviation == _UNREAD:
+        raise ValueError(
+            f"the limits of {pressed} are not known at {diameter:g} mm; state the interference "
+            'itself, such as "0.005 .. 0.01 mm"'
+        )
     least = deviation - _TOLERANCES[bore_grade][step]
     if least <= 0:
         raise ValueError(

@@ -125,6 +125,11 @@ def test_a_press_fit_that_may_be_none_is_refused(code, words):
         interferences_of(code, 44.0)
 
 
+def test_limits_that_no_opened_table_has_are_refused():
+    with pytest.raises(ValueError, match="limits of r are not known at 3 mm"):
+        interferences_of("H6/r5", 3.0)
+
+
 def press_columns(model):
     return [k for k, (name, _) in enumerate(model.units) if name.endswith(PRESSED_IN)]
 
