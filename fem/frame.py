@@ -157,7 +157,7 @@ def _carried(arm: FloatArray) -> FloatArray:
 
 _NONE = 1e-9  # of the largest factor's inverse: below it, round-off
 _BESIDE = 1e-6  # of a factor: how far from it the modes are counted
-_MECHANISM = 1e-13  # of the largest: stiffness below it is none, in unknowns of equal stiffness
+MECHANISM = 1e-13  # of the largest: stiffness below it is none, in unknowns of equal stiffness
 _ROUND_OFF = 4 * np.finfo(float).eps  # of the largest stiffness, in the same unknowns
 
 
@@ -252,21 +252,21 @@ def buckling_modes(stiffness: FloatArray, geometric: FloatArray, *, count: int =
 
 def whitening(stiffness: FloatArray) -> FloatArray:
     """Combinations X (n, n) with X' K X = 1; LooseFrameError if something moves without strain."""
-    scaled, scale = _unit_diagonal(stiffness)
+    scaled, scale = unit_diagonal(stiffness)
     try:
-        inverse = _lower_inverse(scaled)
+        inverse = lower_inverse(scaled)
         # the smallest eigenvalue is above 1/|inverse|^2, the largest below the trace
-        proven = (inverse**2).sum() * len(scaled) * _MECHANISM < 1
+        proven = (inverse**2).sum() * len(scaled) * MECHANISM < 1
     except np.linalg.LinAlgError:
         proven = False
     if not proven:
         _softest(scaled)
-        inverse = _lower_inverse(scaled)
+        inverse = lower_inverse(scaled)
     return np.asarray(scale[:, None] * inverse.T)
 
 
-def _lower_inverse(matrix: FloatArray) -> FloatArray:
-    """Inverse of the lower triangle that makes a matrix, LinAlgError where there is none."""
+def lower_inverse(matrix: FloatArray) -> FloatArray:
+    """Inverse of the lower triangle that makes matrices (..., n, n); LinAlgError without one."""
     lower = np.linalg.cholesky(matrix)
     return np.asarray(np.linalg.inv(lower))
 
@@ -276,11 +276,12 @@ def _scaled(stiffness: FloatArray) -> tuple[FloatArray, FloatArray, float]:
 
     And the smallest eigenvalue over the largest.
     """
-    scaled, scale = _unit_diagonal(stiffness)
+    scaled, scale = unit_diagonal(stiffness)
     return scaled, scale, _softest(scaled)
 
 
-def _unit_diagonal(stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:
+def unit_diagonal(stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Stiffness scaled to ones on its diagonal, and the factors that do so; or LooseFrameError."""
     diagonal = np.diag(stiffness)
     if not (diagonal > 0).all():
         raise LooseFrameError("the frame can move: an unknown has no stiffness")
@@ -291,7 +292,7 @@ def _unit_diagonal(stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:
 def _softest(scaled: FloatArray) -> float:
     """The smallest eigenvalue over the largest."""
     values = np.linalg.eigvalsh(scaled)
-    if values[0] < _MECHANISM * values[-1]:
+    if values[0] < MECHANISM * values[-1]:
         raise LooseFrameError("the frame can move without strain")
     return float(values[0] / values[-1])
 

@@ -17,6 +17,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+from fem.block_whitening import Inner, inner_unknowns
 from fem.frame import (
     Frame,
     FrameModes,
@@ -74,19 +75,27 @@ class Link:
     def geometric(self, axial: FloatArray) -> FloatArray:
         """Geometric stiffness (l, n, n) of axial forces at the Gauss points (l, m, 6), own axes."""
         assert self.frame is not None
-        blocks = np.einsum("lmg,mguv->mluv", axial, self._work)
-        result = np.zeros((len(axial), self.n_unknowns, self.n_unknowns))
+        count, points = axial.shape[0], axial.shape[1:]
+        work = self._work.reshape(*points[:1], points[1], -1)
+        blocks = (np.swapaxes(axial, 0, 1) @ work).reshape(-1, count, 12, 12)
+        result = np.zeros((count, self.n_unknowns, self.n_unknowns))
         for member, block in enumerate(blocks):
             own = slice(6 * member, 6 * member + 12)  # members join one node to the next
             result[:, own, own] += block
         return result
 
     def motion(self, place: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the motion (6, n) of a place (2,), and its arm (2,) from the axis; own axes.
+        """Return the motion (..., 6, n) of places (..., 2), and their arms (..., 2) from the axis.
+
+        In its own axes.
 
         Beside the axis and beyond the ends a rigid arm leads there; between nodes the axis is
         taken as bent by cubics.
         """
+        if place.ndim > 1:
+            found = [self.motion(one) for one in place.reshape(-1, 2)]
+            motions, arms = (np.array(some) for some in zip(*found, strict=True))
+            return motions.reshape(*place.shape[:-1], 6, -1), arms.reshape(place.shape)
         x, y = float(place[0]), float(place[1])
         result = np.zeros((6, self.n_unknowns))
         if self.frame is None:
@@ -147,11 +156,11 @@ def _cubics(s: float, length: float) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Motion of a place of a link with all unknowns, in global axes.
+    """Motion of a place of a link with all unknowns, in global axes; of one pose or many.
 
-    rows   (6, n)  displacement and turn per unknown; zero on the ground
-    place  (2,)    mm
-    arm    (2,)    mm, from the node or axis that turns with it
+    rows   (..., 6, n)  displacement and turn per unknown; zero on the ground
+    place  (..., 2)     mm
+    arm    (..., 2)     mm, from the node or axis that turns with it
     """
 
     rows: FloatArray
@@ -161,10 +170,10 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class PlacedLinks:
-    """Links where they stand in one position of a linkage.
+    """Links where they stand in one position of a linkage, or in many of them.
 
     links
-    origins  (n_links, 2) mm, angles (n_links,) rad: of their own axes
+    origins  (..., n_links, 2) mm, angles (..., n_links) rad: of their own axes
     """
 
     links: Sequence[Link]
@@ -180,42 +189,48 @@ class PlacedLinks:
         """Of all links together."""
         return int(self._starts[-1])
 
+    def at(self, position: int | IntArray) -> "PlacedLinks":
+        """The links in one of many positions, or in some of them."""
+        return PlacedLinks(self.links, self.origins[position], self.angles[position])
+
     @cached_property
-    def size(self) -> float:
-        """The extent of all, mm: by it a turn counts as a displacement."""
+    def size(self) -> FloatArray:
+        """The extents (...) of all, mm: by them a turn counts as a displacement."""
         ends = [
             self.to_ground(k, place)
             for k, link in enumerate(self.links)
             for place in (np.zeros((1, 2)) if link.frame is None else link.frame.nodes[[0, -1], :2])
         ]
-        return float(np.ptp(np.array(ends), axis=0).max()) or 1.0
+        extent = np.ptp(np.array(ends), axis=0).max(axis=-1)
+        return np.asarray(np.where(extent > 0, extent, 1.0))
 
     def to_ground(self, link: int, place: FloatArray) -> FloatArray:
-        """A place (2,) of a link in global axes."""
-        return np.asarray(self.origins[link] + _turn(self.angles[link]) @ place)
+        """Places (..., 2) of a link in global axes."""
+        return np.asarray(self.origins[..., link, :] + _turned(self.angles[..., link], place))
 
     @cached_property
     def _motions(self) -> dict[tuple[int | None, bytes], Motion]:
         return {}
 
     def motion(self, link: int | None, place: FloatArray) -> Motion:
-        """Motion of a place (2,) of a link, in its own axes; None is the ground."""
+        """Motion of a place (..., 2) of a link, in its own axes; None is the ground."""
         key = link, np.asarray(place, dtype=float).tobytes()
         if key not in self._motions:  # joints and forces ask for the same places
             self._motions[key] = self._motion(link, place)
         return self._motions[key]
 
     def _motion(self, link: int | None, place: FloatArray) -> Motion:
-        rows = np.zeros((6, self.n_unknowns))
+        many = self.angles.shape[:-1]
+        rows = np.zeros((*many, 6, self.n_unknowns))
         if link is None:
             return Motion(rows, np.asarray(place), np.zeros(2))
-        turn = _turn(self.angles[link])
         own, arm = self.links[link].motion(place)
-        part = slice(self._starts[link], self._starts[link + 1])
-        rows[:, part] = own
+        angle = self.angles[..., link]
+        turn, part = _turn(angle), slice(self._starts[link], self._starts[link + 1])
+        rows[..., part] = own
         for k in (0, 3):
-            rows[k : k + 2] = turn @ rows[k : k + 2]
-        return Motion(rows, self.to_ground(link, place), turn @ arm)
+            rows[..., k : k + 2, part] = turn @ own[..., k : k + 2, :]
+        return Motion(rows, self.to_ground(link, place), _turned(angle, arm))
 
     @cached_property
     def stiffness(self) -> FloatArray:
@@ -223,7 +238,7 @@ class PlacedLinks:
         return _stiffness(tuple(self.links))
 
     def axial(self, link: int, forces: FloatArray) -> FloatArray:
-        """Geometric stiffness (l, n, n) of axial forces (l, m, 6) in a bar."""
+        """Geometric stiffness (l, n, n) of axial forces (l, m, 6) in a bar, in any pose."""
         result = np.zeros((len(forces), self.n_unknowns, self.n_unknowns))
         part = slice(self._starts[link], self._starts[link + 1])
         result[:, part, part] = self.links[link].geometric(forces)
@@ -240,24 +255,57 @@ class PlacedLinks:
     def free_motions(self, constraints: FloatArray, plane: Sequence[int]) -> FloatArray:
         """Motions (n, k) in a plane that leave constraints (r, n) at zero."""
         own = self.unknowns(plane)
+        free = self._left_free(constraints, own)
+        result = np.zeros((self.n_unknowns, free.shape[1]))
+        result[own] = free
+        return result
+
+    def _left_free(self, constraints: FloatArray, own: IntArray) -> FloatArray:
+        """Motions (m, k) of some unknowns (m,) alone that leave constraints (r, n) at zero."""
         scale = np.where(own % 6 < 3, 1.0, 1 / self.size)
         rows = constraints[:, own] * scale
         lengths = np.linalg.norm(rows, axis=1)
         free = _left_free(rows[lengths > 0] / lengths[lengths > 0, None])
-        result = np.zeros((self.n_unknowns, free.shape[1]))
-        result[own] = scale[:, None] * free
-        return result
+        return scale[:, None] * free
 
-    def unit_motions(self, constraints: FloatArray, plane: Sequence[int]) -> FloatArray:
-        """The same motions (n, k), combined so that their stiffness is the unit matrix.
+    def unit_motions(self, constraints: FloatArray, plane: Sequence[int]) -> Sequence[FloatArray]:
+        """Motions (m, k) of a plane's m unknowns, combined to make their stiffness the unit matrix.
 
-        Raises LooseFrameError if something moves without strain.
+        One for each of many positions, whose constraints (p, r, n) they leave at zero. Raises
+        LooseFrameError if something moves without strain.
         """
-        moves = self.free_motions(constraints, plane)
         own = self.unknowns(plane)
-        inside = moves[own]
-        moves[own] = inside @ whitening(inside.T @ self.stiffness[np.ix_(own, own)] @ inside)
-        return moves
+        held = constraints[..., own].any(axis=(0, 1))
+        inner = _inner(tuple(self.links), tuple(plane), held.tobytes())
+        free = None if inner is None else self._all_left_free(constraints, own[held])
+        found = None if inner is None or free is None else inner.unit_motions(free)
+        if found is not None:
+            return list(found)
+        stiffness = self.stiffness[np.ix_(own, own)]
+        motions = []
+        for number, rows in enumerate(constraints):
+            inside = self.at(number)._left_free(rows, own)
+            motions.append(inside @ whitening(inside.T @ stiffness @ inside))
+        return motions
+
+    def _all_left_free(self, constraints: FloatArray, own: IntArray) -> FloatArray | None:
+        """Motions (p, m, k) as `_left_free`, for many positions at once.
+
+        None where constraints (p, r, n) of a position imply each other.
+        """
+        scale = np.where(own % 6 < 3, 1.0, 1 / self.size[:, None])
+        rows = constraints[..., own] * scale[:, None]
+        lengths = np.linalg.norm(rows, axis=-1)
+        some = (lengths > 0).any(axis=0)
+        count = int(some.sum())
+        if count > len(own) or not (lengths[:, some] > 0).all():
+            return None
+        unit = rows[:, some] / lengths[:, some, None]
+        turned, upper = np.linalg.qr(np.swapaxes(unit, 1, 2), mode="complete")
+        values = np.linalg.svd(upper[:, :count], compute_uv=False)
+        if not (values[:, -1] > _REDUNDANT * values[:, 0]).all():
+            return None
+        return np.asarray(scale[..., None] * turned[..., count:])
 
     def buckling(
         self,
@@ -287,6 +335,14 @@ def _stiffness(links: tuple[Link, ...]) -> FloatArray:
     return result
 
 
+@lru_cache(maxsize=32)
+def _inner(links: tuple[Link, ...], plane: tuple[int, ...], held: bytes) -> Inner | None:
+    """Unknowns of a plane that no joint holds, by the bytes of those that any does."""
+    stiffness = _stiffness(links)
+    own = _in_plane(len(stiffness), plane)
+    return inner_unknowns(stiffness[np.ix_(own, own)], np.frombuffer(held, dtype=bool))
+
+
 @lru_cache(maxsize=64)
 def _in_plane(n_unknowns: int, plane: tuple[int, ...]) -> IntArray:
     nodes = np.arange(n_unknowns // 6)
@@ -311,47 +367,79 @@ def _left_free(rows: FloatArray) -> FloatArray:
     return np.asarray(right[rank:].T)
 
 
-def _turn(angle: float) -> FloatArray:
+def _turn(angle: FloatArray) -> FloatArray:
+    """Matrices (..., 2, 2) that turn by angles (...)."""
     c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s], [s, c]])
+    return np.stack([np.stack([c, -s], axis=-1), np.stack([s, c], axis=-1)], axis=-2)
+
+
+def _turned(angle: FloatArray, vectors: FloatArray) -> FloatArray:
+    """Vectors (..., 2) turned by angles (...)."""
+    return np.asarray((_turn(angle) @ vectors[..., None])[..., 0])
+
+
+def _along(direction: FloatArray, rows: FloatArray) -> FloatArray:
+    """The row (..., 1, n) of motions (..., 2, n) along a direction (..., 2)."""
+    return np.asarray(direction[..., None, :] @ rows)
 
 
 def pin(a: Motion, b: Motion, axis: FloatArray | None = None) -> FloatArray:
-    """Rows (r, n) of a hinge about z; its fork holds both tilts, or only that about `axis` (2,)."""
+    """Rows (..., r, n) of a hinge about z; its fork holds both tilts, or that about `axis`.
+
+    axis  (..., 2)
+    """
     apart = b.rows - a.rows
-    tilts = apart[3:5] if axis is None else (axis / np.linalg.norm(axis)) @ apart[3:5]
-    return np.vstack([apart[:3], tilts])
+    if axis is None:
+        return np.asarray(apart[..., :5, :])
+    unit = axis / np.linalg.norm(axis, axis=-1, keepdims=True)
+    return np.concatenate([apart[..., :3, :], _along(unit, apart[..., 3:5, :])], axis=-2)
 
 
 def slide(a: Motion, b: Motion, normal: FloatArray, held: Sequence[int] = ()) -> FloatArray:
-    """Rows (r, n) of a point b that stays on a line; `held` are other motions against a, 0 .. 5."""
+    """Rows (..., r, n) of a point b that stays on a line; `held` are other motions against a.
+
+    normal  (..., 2) of the line
+    held    0 .. 5
+    """
     apart = b.rows - a.rows
-    return np.vstack([normal @ apart[:2], apart[list(held)]])
+    return np.concatenate([_along(normal, apart[..., :2, :]), apart[..., list(held), :]], axis=-2)
 
 
 def dead_force(at: Motion, force: FloatArray) -> FloatArray:
-    """Geometric stiffness (n, n) of a force (2,) that keeps its direction, at its arm."""
-    f, r = np.append(force, 0.0), np.append(at.arm, 0.0)
-    product = np.outer(f, r)
-    turns = at.rows[3:]
-    return np.asarray(turns.T @ ((f @ r) * np.eye(3) - (product + product.T) / 2) @ turns)
+    """Geometric stiffness (..., n, n) of a force (..., 2) that keeps its direction, at its arm."""
+    form = np.zeros((*np.broadcast_shapes(force.shape, at.arm.shape)[:-1], 3, 3))
+    product = force[..., :, None] * at.arm[..., None, :]
+    form[..., :2, :2] = -(product + np.swapaxes(product, -1, -2)) / 2
+    form += np.sum(force * at.arm, axis=-1)[..., None, None] * np.eye(3)
+    return _form_of(at.rows[..., 3:, :], form)
 
 
-def following_force(a: Motion, b: Motion, tension: float) -> FloatArray:
-    """Geometric stiffness (n, n) of a force between two points, N, that pulls above 0."""
-    span = np.append(b.place - a.place, 0.0)
-    length = float(np.linalg.norm(span))
-    across = np.eye(3) - np.outer(span, span) / length**2
-    apart = (b.rows - a.rows)[:3]
-    return np.asarray(tension / length * apart.T @ across @ apart)
+def following_force(a: Motion, b: Motion, tension: FloatArray | float) -> FloatArray:
+    """Geometric stiffness (..., n, n) of forces between two points, N, that pull above 0."""
+    span = b.place - a.place
+    square = np.sum(span**2, axis=-1)[..., None, None]
+    across = np.zeros((*span.shape[:-1], 3, 3))
+    across[..., :2, :2] = -span[..., :, None] * span[..., None, :] / square
+    across += np.eye(3)
+    force = np.asarray(tension)[..., None, None] / np.sqrt(square)
+    return _form_of((b.rows - a.rows)[..., :3, :], force * across)
 
 
-def slot_force(a: Motion, b: Motion, normal: FloatArray, force: float) -> FloatArray:
-    """Geometric stiffness (n, n) of a force along the normal of a line of a, on b.
+def slot_force(a: Motion, b: Motion, normal: FloatArray, force: FloatArray | float) -> FloatArray:
+    """Geometric stiffness (..., n, n) of forces (...) along a line's normal (..., 2), on b.
 
-    The normal turns with a: to second order the gap also is (t x normal) . (u_b - u_a).
+    The line is of a, and turns with it: to second order the gap also is
+    (t x normal) . (u_b - u_a).
     """
-    x, y = normal
-    cross = np.array([[0.0, 0.0, -y], [0.0, 0.0, x], [y, -x, 0.0]])  # t x normal
-    half = -force * (cross @ a.rows[3:]).T @ (b.rows - a.rows)[:3]
-    return np.asarray(half + half.T)
+    x, y = normal[..., 0], normal[..., 1]
+    cross = np.zeros((*normal.shape[:-1], 3, 3))  # t x normal
+    cross[..., 0, 2], cross[..., 1, 2] = -y, x
+    cross[..., 2, 0], cross[..., 2, 1] = y, -x
+    turned = np.asarray(force)[..., None, None] * (cross @ a.rows[..., 3:, :])
+    half = -np.swapaxes(turned, -1, -2) @ (b.rows - a.rows)[..., :3, :]
+    return np.asarray(half + np.swapaxes(half, -1, -2))
+
+
+def _form_of(rows: FloatArray, form: FloatArray) -> FloatArray:
+    """Rows' form rows (..., n, n) of rows (..., 3, n) and a form (..., 3, 3)."""
+    return np.asarray(np.swapaxes(rows, -1, -2) @ form @ rows)

@@ -128,7 +128,7 @@ def _cushioned(
     """Places of a phase where the pace's coordinate is a cushion before the end of its stroke."""
 
     def value(grid: FloatArray) -> FloatArray:
-        return path.kinematics.value(pace, path.at(grid).poses)
+        return path.kinematics.value(pace, path.poses_at(grid))
 
     last = float(value(np.array([end]))[0])
 

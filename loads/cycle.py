@@ -6,7 +6,7 @@ were placed for the loads they were solved with first, closest where these turne
 both ends of every phase and the corners of its tables whatever the loads.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from functools import partial
@@ -223,9 +223,9 @@ class Run:
         """
         for name, law in self.cycle.phases[k].given.items():
             if isinstance(law, Table):
-                grid = with_extremes(grid, partial(self._above, law, 0.0))
-                for corner in law.values[1:-1]:
-                    grid = with_roots(grid, partial(self._above, law, corner))
+                grid = with_extremes(grid, partial(self._above, law, [0.0]))
+                if len(law.values) > 2:
+                    grid = with_roots(grid, partial(self._above, law, law.values[1:-1]))
             elif isinstance(law, Expression):
                 grid = with_extremes(grid, partial(self._kinks, k, law))
                 grid = with_roots(grid, partial(self._kinks, k, law))
@@ -237,8 +237,10 @@ class Run:
                 grid = with_roots(grid, partial(self._speeds, k, name, law))
         return grid
 
-    def _above(self, table: Table, corner: float, grid: FloatArray) -> FloatArray:
-        return self.path.kinematics.value(table.coordinate, self.path.at(grid).poses) - corner
+    def _above(self, table: Table, corners: Sequence[float], grid: FloatArray) -> FloatArray:
+        """A table's coordinate (m, n) above each of some corners."""
+        value = self.path.kinematics.value(table.coordinate, self.path.poses_at(grid))
+        return np.array([value - corner for corner in corners])
 
     def _kinks(self, k: int, law: Expression, grid: FloatArray) -> FloatArray:
         return kinks(self._motion(k, self.path.at(grid)), law)

@@ -168,7 +168,7 @@ def _process_share(path: Path, resisting: Force, values: FloatArray) -> FloatArr
 
 
 def _process_value(path: Path, resisting: Force, value: float) -> float:
-    poses = path.at(np.array([value])).poses
+    poses = path.poses_at(np.array([value]))
     return float(path.kinematics.value(resisting.coordinate, poses)[0])
 
 
@@ -210,13 +210,13 @@ def _touched(
     kinematics = path.kinematics
     before = path.values[way * path.values < way * dead_centre]
     values = np.append(before if way > 0 else before[::-1], dead_centre)
-    off = kinematics.value(resisting.coordinate, path.at(values).poses) - touch
+    off = kinematics.value(resisting.coordinate, path.poses_at(values)) - touch
     crossing = np.flatnonzero(off[1:] * off[:-1] <= 0.0)
     if not len(crossing):
         return None
 
     def beyond(values: FloatArray) -> FloatArray:
-        return kinematics.value(resisting.coordinate, path.at(values).poses) - touch
+        return kinematics.value(resisting.coordinate, path.poses_at(values)) - touch
 
     return _crossing(beyond, *(float(value) for value in values[crossing[-1] :][:2]))[1]
 

@@ -28,10 +28,9 @@ from fem.frame_joints import (
     slot_force,
 )
 from geometry.bars import Bar
-from geometry.mesh import FloatArray
+from geometry.mesh import FloatArray, IntArray
 
 _ON_AXIS = 1e-9  # of a size: a shorter arm is none
-_AXES = np.eye(2)
 _ROUND_OFF = 1e-10  # of the largest force of the linkage
 
 
@@ -60,6 +59,11 @@ class LinkModel:
         """True if any body can bend."""
         return bool(self.bars)
 
+    @property
+    def n_unknowns(self) -> int:
+        """Of all links together."""
+        return sum(link.n_unknowns for link in self.links)
+
     def number(self, body: str) -> int | None:
         """Return the link of a body; None for the ground."""
         return self._numbers[body]
@@ -84,14 +88,12 @@ class LinkModel:
         return np.asarray((places - np.array(placing.origin)) @ np.array([[c, -s], [s, c]]))
 
     def placed(self, poses: FloatArray) -> PlacedLinks:
-        """The links in a pose (bodies, 3) of the linkage, the ground first."""
-        origins, angles = np.zeros((len(self.links), 2)), np.zeros(len(self.links))
-        for k, placing in enumerate(self.placings):
-            x, y, angle = poses[k + 1]
-            c, s = cos(angle), sin(angle)
-            origins[k] = np.array([x, y]) + np.array([[c, -s], [s, c]]) @ np.array(placing.origin)
-            angles[k] = angle + placing.angle
-        return PlacedLinks(self.links, origins, angles)
+        """The links in poses (..., bodies, 3) of the linkage, the ground first."""
+        places = np.array([placing.origin for placing in self.placings])
+        turns = np.array([placing.angle for placing in self.placings])
+        angles = poses[..., 1:, 2]
+        origins = poses[..., 1:, :2] + _turned(places, angles)
+        return PlacedLinks(self.links, origins, angles + turns)
 
     def moved(
         self, placed: PlacedLinks, shape: FloatArray
@@ -109,7 +111,7 @@ class LinkModel:
 
 @dataclass(frozen=True, eq=False)
 class JointRows:
-    """The joints of one cycle.
+    """The joints of one cycle; at one position of it, or at many.
 
     slots_hold  whether a slot or guide on a moving body holds sideways also with soft forks
     shafts      bodies that turn round in the ground: their bearings hold tilts, no fork does
@@ -135,26 +137,21 @@ class JointRows:
         )
 
     def contact(
-        self, placed: PlacedLinks, joint: loads.Prismatic | loads.Slot, k: int
+        self, placed: PlacedLinks, joint: loads.Prismatic | loads.Slot, k: int | IntArray
     ) -> tuple[Motion, Motion, FloatArray]:
         """Motions of the line's body at the contact and of the slider, and the line's normal."""
         b = self.motion(placed, joint.body_b, joint.point_b)
         link = self.model.number(joint.body_a)
-        angle = 0.0
-        if link is None:
-            a = placed.motion(None, b.place)
-        else:
-            angle = float(self.cycle.poses[k, link + 1, 2])
-            turn = placed.angles[link]
-            c, s = np.cos(turn), np.sin(turn)
-            own = np.array([[c, s], [-s, c]]) @ (b.place - placed.origins[link])
-            a = placed.motion(link, own)
         x, y = np.array(joint.direction, dtype=float) / np.hypot(*joint.direction)
-        c, s = np.cos(angle), np.sin(angle)
-        return a, b, np.array([-s * x - c * y, c * x - s * y])
+        normal = np.array([-y, x])
+        if link is None:
+            return placed.motion(None, b.place), b, normal
+        own = _turned(b.place - placed.origins[..., link, :], -placed.angles[..., link])
+        angle = self.cycle.poses[k, link + 1, 2]
+        return placed.motion(link, own), b, _turned(normal, angle)
 
-    def rows(self, placed: PlacedLinks, k: int, *, stiff: bool) -> FloatArray:
-        """All joints and the held drive at position k, (r, n)."""
+    def rows(self, placed: PlacedLinks, k: int | IntArray, *, stiff: bool) -> FloatArray:
+        """All joints and the held drive at positions k (...), (..., r, n)."""
         found = []
         for joint in self.model.linkage.joints:
             if isinstance(joint, loads.Prismatic | loads.Slot):
@@ -170,7 +167,7 @@ class JointRows:
                 axis = None if stiff else self._soft_axis(placed, first, body)
                 found.append(pin(a, self.motion(placed, body, point), axis))
         found.append(self._drive(placed))
-        return np.vstack(found)
+        return np.concatenate(found, axis=-2)
 
     @cached_property
     def _pins(self) -> list[tuple[str, list[str]]]:
@@ -208,8 +205,8 @@ class JointRows:
             return None
         if own.name in self.shafts and first == loads.GROUND:
             return None
-        angle = placed.angles[link]
-        return np.array([np.cos(angle), np.sin(angle)])
+        angle = placed.angles[..., link]
+        return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
     @cached_property
     def _supports(self) -> set[str]:
@@ -227,19 +224,20 @@ class JointRows:
         """The row of the coordinate that sets the pace."""
         match self.cycle.pace:
             case loads.PointCoordinate(body=body, point=point, direction=direction):
-                row = np.array(direction) @ self.motion(placed, body, point).rows[:2]
+                row = np.array(direction) @ self.motion(placed, body, point).rows[..., :2, :]
             case loads.Distance():
                 a, b = self.between(placed, self.cycle.pace)
-                row = (b.place - a.place) @ (b.rows - a.rows)[:2]
+                span = (b.place - a.place)[..., None, :]
+                row = (span @ (b.rows - a.rows)[..., :2, :])[..., 0, :]
             case loads.Angle(body=body, relative_to=other):
                 row = self._turn(placed, body) - self._turn(placed, other)
-        return np.atleast_2d(row)
+        return np.asarray(row[..., None, :])
 
     def _turn(self, placed: PlacedLinks, body: str) -> FloatArray:
         """Turn of a body about z, where its frame starts: at its first pin."""
         link = self.model.number(body)
         start = np.zeros(2) if link is None else self.model.own(link, np.zeros(2))
-        return np.asarray(placed.motion(link, start).rows[_TURN])
+        return np.asarray(placed.motion(link, start).rows[..., _TURN, :])
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,22 +253,21 @@ class BarForces:
     along: FloatArray
     pushed: FloatArray
 
-    def per_force(self, k: int) -> FloatArray:
-        """Axial force per force of position k at the Gauss points, (l, m, 6).
+    def per_force(self, k: int | IntArray) -> FloatArray:
+        """Axial force per force of positions k (...) at the Gauss points, (l, ..., m, 6).
 
         What forces leave unbalanced is taken by the bar's own weight and inertia, spread evenly
         between the outermost of them.
         """
         at = self.along[:, k]
-        start, length = at.min(), np.ptp(at)
-        taken = self.points > start
-        if length > 0:
-            taken = np.clip((self.points - start) / length, 0.0, 1.0)
-        return np.asarray(taken - (self.points > at[:, None, None]))
+        start, length = (end[..., None, None] for end in (at.min(axis=0), np.ptp(at, axis=0)))
+        spread = np.clip((self.points - start) / np.where(length > 0, length, 1.0), 0.0, 1.0)
+        taken = np.where(length > 0, spread, self.points > start)
+        return np.asarray(taken - (self.points > at[..., None, None]))
 
-    def axial(self, k: int) -> FloatArray:
-        """Axial force of position k at the Gauss points (m, 6), N, tension above 0."""
-        return np.asarray(np.tensordot(self.pushed[:, k], self.per_force(k), 1))
+    def axial(self, k: int | IntArray) -> FloatArray:
+        """Axial force of positions k (...) at the Gauss points (..., m, 6), N, tension above 0."""
+        return np.asarray(np.einsum("l...,l...mg->...mg", self.pushed[:, k], self.per_force(k)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -287,7 +284,10 @@ class LinkForces:
 
     @cached_property
     def sizes(self) -> FloatArray:
-        """All forces over the cycle (n, c) N, in the order of `forms`; round-off is none."""
+        """All forces over the cycle (n, c) N; round-off is none.
+
+        Along bars, at arms, between points and in slots.
+        """
         cycle = self.joints.cycle
         columns = [force for bar in self.bars.values() for force in bar.pushed]
         columns += [force[:, i] for _, _, force in self.arms for i in (0, 1)]
@@ -310,43 +310,28 @@ class LinkForces:
             found.append(np.abs(cycle.efforts[force.name]).max() / arm)
         return float(max(found))
 
-    def forms(self, placed: PlacedLinks, k: int) -> FloatArray:
-        """Geometric stiffness per force in the pose of position k, (c, n, n)."""
-        found: list[FloatArray] = []
-        for link, bar in self.bars.items():
-            found.extend(placed.axial(link, bar.per_force(k)))
-        for link, places, _ in self.arms:
-            motion = placed.motion(link, places[k])
-            found += [dead_force(motion, axis) for axis in _AXES]
-        for force in self._between():
-            found.append(following_force(*self.joints.between(placed, force.coordinate), 1.0))
-        for joint in self._slides():
-            a, b, normal = self.joints.contact(placed, joint, k)
-            found += [slot_force(a, b, normal, float(share)) for share in normal]
-        return np.array(found)
-
-    def geometric(self, placed: PlacedLinks, k: int) -> FloatArray:
-        """Geometric stiffness (n, n) of all forces of position k: the sum of sizes times `forms`.
-
-        Forces on one bar, and both components at one place, are added up before.
-        """
+    def geometric(self, placed: PlacedLinks, k: int | IntArray) -> FloatArray:
+        """Geometric stiffness (..., n, n) of all forces of positions k (...)."""
         sizes, first = self.sizes[k], 0
-        result = np.zeros((placed.n_unknowns,) * 2)
+        result = np.zeros((*sizes.shape[:-1], placed.n_unknowns, placed.n_unknowns))
         for link, bar in self.bars.items():
             count = len(bar.pushed)
-            axial = np.tensordot(sizes[first : first + count], bar.per_force(k), 1)
-            result += placed.axial(link, axial[None])[0]
+            own = sizes[..., first : first + count]
+            axial = np.einsum("...l,l...mg->...mg", own, bar.per_force(k))
+            flat = placed.axial(link, axial.reshape(-1, *axial.shape[-2:]))
+            result += flat.reshape(result.shape)
             first += count
         for link, places, _ in self.arms:
-            result += dead_force(placed.motion(link, places[k]), sizes[first : first + 2])
+            result += dead_force(placed.motion(link, places[k]), sizes[..., first : first + 2])
             first += 2
         for force in self._between():
             motions = self.joints.between(placed, force.coordinate)
-            result += following_force(*motions, float(sizes[first]))
+            result += following_force(*motions, sizes[..., first])
             first += 1
         for joint in self._slides():
             a, b, normal = self.joints.contact(placed, joint, k)
-            result += slot_force(a, b, normal, float(normal @ sizes[first : first + 2]))
+            along = np.sum(normal * sizes[..., first : first + 2], axis=-1)
+            result += slot_force(a, b, normal, along)
             first += 2
         return result
 
@@ -449,6 +434,7 @@ def _beside(frame: Frame | None, place: FloatArray) -> bool:
 
 
 def _turned(vectors: FloatArray, angle: FloatArray | float) -> FloatArray:
+    """Vectors (..., 2) turned by angles (...)."""
     c, s = np.cos(angle), np.sin(angle)
-    x, y = vectors[:, 0], vectors[:, 1]
-    return np.stack([c * x - s * y, s * x + c * y], axis=1)
+    x, y = vectors[..., 0], vectors[..., 1]
+    return np.stack([c * x - s * y, s * x + c * y], axis=-1)

@@ -23,13 +23,14 @@ import numpy as np
 
 import loads
 from checks.columns.link_joints import JointRows, LinkModel, forces_of, link_model, shafts
+from checks.columns.linkage_positions import Place, Together, together
 from checks.design.data import Design
 from checks.part.derived import Kind
 from checks.part.part_loads import shown_of
 from checks.result.verdict import Check
 from checks.strength.sampling import with_sampling
 from fem.frame import FrameModes, LooseFrameError
-from fem.frame_joints import IN_PLANE, OUT_OF_PLANE, PlacedLinks
+from fem.frame_joints import IN_PLANE, OUT_OF_PLANE
 from geometry.mesh import FloatArray, IntArray
 
 LINKAGE = Kind(
@@ -45,11 +46,11 @@ COARSE, MIDDLE, FINE = 4, 8, 16  # pieces of a bar's longest stretch
 _COARSE_ERROR = 0.03  # of a factor, how much higher the coarse frame may be than the fine one
 _RANKED = 40  # positions of a cycle that are asked at first, besides those of largest forces
 _ROUND_OFF = 1e-9  # of a factor
+_SHARE_DIGITS = 6  # of strain energy: of bodies alike in a symmetric linkage the first is told
 _NEAR = 0.95  # of the largest share: about which of these all positions are asked
 _APART = 1e6  # how much stiffer one bar is than another where digits of the soft one are lost
 _PLANES = {"in plane": IN_PLANE, "out of plane": OUT_OF_PLANE}
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
-_Place = tuple[str, int]  # cycle and position
 
 
 class _Case(NamedTuple):
@@ -130,11 +131,16 @@ class FreeMotions:
     def __init__(self) -> None:
         self._found: dict[tuple[object, ...], FloatArray] = {}
 
-    def of(self, key: tuple[object, ...], solve: Callable[[], FloatArray]) -> FloatArray:
-        """Motions (n, m) of unit stiffness under a key; solved where they are not there yet."""
-        if key not in self._found:
-            self._found[key] = solve()
-        return self._found[key]
+    def of(
+        self,
+        keys: Sequence[tuple[object, ...]],
+        solve: Callable[[Sequence[int]], Sequence[FloatArray]],
+    ) -> list[FloatArray]:
+        """Motions of unit stiffness by key; those that are not there yet are solved, by number."""
+        first = {key: n for n, key in reversed(list(enumerate(keys))) if key not in self._found}
+        if first:
+            self._found |= zip(first, solve(list(first.values())), strict=True)
+        return [self._found[key] for key in keys]
 
 
 def worst_mode(
@@ -269,20 +275,19 @@ def _spread(run: loads.CycleLoads, stride: int, sizes: FloatArray) -> IntArray:
     return np.unique([*range(0, len(run.positions), stride), *ends, *peaks])
 
 
-def _reduced(
-    placed: PlacedLinks, free: FloatArray, geometric: FloatArray, plane: str
-) -> FloatArray:
-    """-X' K_s X (..., m, m) of motions X (n, m) in a plane and stiffness K_s (..., n, n)."""
-    own = placed.unknowns(_PLANES[plane])
-    inside = free[own]
-    return np.asarray(-inside.T @ geometric[..., own[:, None], own] @ inside)
-
-
-def _largest_inverses(reduced: FloatArray) -> FloatArray:
-    """1/factor (n,) of the lowest modes of (n, m, m) whitened -K_s; 0 where there is none."""
+def _largest_inverse(reduced: FloatArray) -> float:
+    """1/factor of the lowest mode of whitened -K_s (m, m); 0 where there is none."""
     values = np.linalg.eigvalsh(reduced)
-    top = values[:, -1]
-    return np.where(top > 1e-9 * np.abs(values).max(axis=1), top, 0.0)
+    return float(values[-1]) if values[-1] > 1e-9 * np.abs(values).max() else 0.0
+
+
+def _is_below(reduced: FloatArray, inverse: float) -> bool:
+    """True if no mode of whitened -K_s (m, m) has a 1/factor as large, for less than the modes."""
+    try:
+        np.linalg.cholesky(inverse * np.eye(len(reduced)) - reduced)
+    except np.linalg.LinAlgError:
+        return False
+    return True
 
 
 class _Search:
@@ -303,13 +308,11 @@ class _Search:
         first = next(iter(cycles.values()))
         self.model: LinkModel = link_model(design, first.linkage, pieces)
         turning = shafts(cycles.values())
-        self._rows = {
-            name: JointRows(self.model, run, slots_hold, turning) for name, run in cycles.items()
+        self._forces = {
+            name: forces_of(self.model, JointRows(self.model, run, slots_hold, turning))
+            for name, run in cycles.items()
         }
-        self._forces = {name: forces_of(self.model, rows) for name, rows in self._rows.items()}
-        self._acting: dict[_Place, tuple[PlacedLinks, FloatArray]] = {}
-        self._poses: dict[_Place, tuple[object, ...]] = {}
-        self._last_rows: tuple[tuple[_Place, bool], FloatArray] | None = None
+        self._poses: dict[Place, tuple[object, ...]] = {}
         self._motions = FreeMotions() if motions is None else motions
         points = tuple((body.name, *body.points.items()) for body in first.linkage.bodies)
         self._frame = pieces, slots_hold, turning, points, first.linkage.joints
@@ -317,7 +320,7 @@ class _Search:
             name: float(np.ptp(run.poses[:, :, :2])) or 1.0 for name, run in cycles.items()
         }
 
-    def ranked(self) -> dict[_Case, list[tuple[float, _Place]]]:
+    def ranked(self) -> dict[_Case, list[tuple[float, Place]]]:
         """1/factor and place by case, largest first; cases without a factor above 0 are left out.
 
         Left out are those whose 1/factor cannot come near the largest, as the matrix's norm shows.
@@ -326,14 +329,14 @@ class _Search:
         lie as dense as its loads change. Raises loads.LinkageError where something moves without
         strain.
         """
-        found: dict[_Case, list[tuple[float, _Place]]] = {}
+        found: dict[_Case, list[tuple[float, Place]]] = {}
         strides = {name: -(-len(run.positions) // _RANKED) for name, run in self._cycles.items()}
         spread = {
             name: _spread(run, strides[name], self._forces[name].sizes)
             for name, run in self._cycles.items()
         }
         self._rank(found, [(name, int(k)) for name, some in spread.items() for k in some])
-        about: dict[_Place, None] = {}
+        about: dict[Place, None] = {}
         for places in found.values():
             largest = max((value for value, _ in places), default=0.0)
             for name, k in (place for value, place in places if value >= _NEAR * largest):
@@ -344,61 +347,59 @@ class _Search:
         self._rank(found, list(about))
         return {case: sorted(places, reverse=True) for case, places in found.items() if places}
 
-    def _rank(
-        self, found: dict[_Case, list[tuple[float, _Place]]], places: Sequence[_Place]
-    ) -> None:
+    def _rank(self, found: dict[_Case, list[tuple[float, Place]]], places: Sequence[Place]) -> None:
         """Add 1/factor and place of the places that come near the largest so far.
 
-        Positions with the same pose and drive share the stiffness and are solved together, those of
-        large forces first. Stiff forks hold whatever soft ones hold, and more: by Rayleigh's
-        quotient 1/factor is not larger with them, so they are asked where soft ones leave a chance.
+        The cycle of the largest force comes first. Stiff forks hold whatever soft ones hold, and
+        more: by Rayleigh's quotient 1/factor is not larger with them, so they are asked where soft
+        ones leave a chance.
         """
-        sizes = {name: forces.sizes for name, forces in self._forces.items()}
         largest = {
             case: max((value for value, _ in found.get(case, ())), default=0.0)
             for case in self._cases
         }
 
-        def force(members: list[_Place]) -> float:
-            return max(float(np.abs(sizes[name][k]).max()) for name, k in members)
+        def force(place: Place) -> float:
+            return float(np.abs(self._forces[place[0]].sizes[place[1]]).max())
 
-        for members in sorted(self._alike(places).values(), key=force, reverse=True):
-            name, k = members[0]
-            placed = self._placed(name, k)
-            if len(members) == 1:
-                geometric = self._forces[name].geometric(placed, k)[None]
-            else:
-                acting = np.array([sizes[other][j] for other, j in members])
-                geometric = np.tensordot(acting, self._forces[name].forms(placed, k), 1)
-            soft = np.inf
+        for some in together(self._forces, sorted(places, key=force, reverse=True)):
+            soft = np.full(len(some.positions), np.inf)
             for case in largest:
-                if case == _STIFF and soft <= _NEAR * largest[case]:
-                    continue
-                free = self._moves(placed, name, k, case)
-                reduced = _reduced(placed, free, geometric, case.plane)
-                bounds = np.linalg.norm(reduced, axis=(1, 2))
-                near = np.flatnonzero(bounds > _NEAR * largest[case])
-                if len(near):
-                    bounds[near] = _largest_inverses(reduced[near])
-                    largest[case] = max(largest[case], float(bounds[near].max()))
-                    ranked = [(float(bounds[n]), members[n]) for n in near if bounds[n] > 0]
-                    found.setdefault(case, []).extend(ranked)
+                asked = np.flatnonzero(soft > _NEAR * largest[case])
+                if case != _STIFF:
+                    asked = np.arange(len(soft))
+                values = self._values(some, asked, case, largest[case])
                 if case == _SOFT:
-                    soft = float(bounds.max())
+                    soft = values
+                largest[case] = max(largest[case], float(values[asked].max(initial=0.0)))
+                ranked = [(float(values[n]), some.places[n]) for n in asked]
+                near = [one for one in ranked if one[0] > 0 and one[0] > _NEAR * largest[case]]
+                found.setdefault(case, []).extend(near)
 
-    def lowest(self, case: _Case, ranked: Sequence[tuple[float, _Place]]) -> tuple[float, str, int]:
+    def _values(self, some: Together, asked: IntArray, case: _Case, largest: float) -> FloatArray:
+        """1/factor (p,), or an upper bound of it where that is not near the largest; 0: not asked.
+
+        largest  1/factor so far
+        """
+        values = np.zeros(len(some.positions))
+        reduced = dict(zip(asked, self._reduced(some, asked, case), strict=True))
+        for n, one in reduced.items():
+            values[n] = np.linalg.norm(one)
+        for n in sorted(asked, key=values.__getitem__, reverse=True):
+            if values[n] > _NEAR * largest:
+                values[n] = _largest_inverse(reduced[n])
+                largest = max(largest, float(values[n]))
+        return values
+
+    def lowest(self, case: _Case, ranked: Sequence[tuple[float, Place]]) -> tuple[float, str, int]:
         """The lowest factor, its cycle and position, of those ranked on a coarser frame.
 
-        All eigenvalues of a position cost less than a mode that is proven: only what has the lowest
-        but for round-off is.
+        That none is lower costs less than all eigenvalues of a position, and they less than a mode
+        that is proven: only what has the lowest but for round-off is.
         """
-        found: dict[_Place, float] = {}
-        largest = 0.0
-        for inverse, place in ranked:
-            if inverse * (1 + _COARSE_ERROR) <= largest:
-                break
-            found[place] = self.largest_inverse(place, case)
-            largest = max(largest, found[place])
+        near = [place for inverse, place in ranked if inverse * (1 + _COARSE_ERROR) > ranked[0][0]]
+        found = self.largest_inverses(near, case)
+        largest = max(found.values())
         best: tuple[float, str, int] = (np.inf, *ranked[0][1])
         for (name, k), inverse in found.items():
             if inverse > (1 - _ROUND_OFF) * largest:
@@ -407,22 +408,23 @@ class _Search:
                     best = min(best, (factor, name, k))
         return best
 
-    def largest_inverse(self, place: _Place, case: _Case) -> float:
-        """1/factor of the lowest mode of a position; 0 for none."""
-        name, k = place
-        if place not in self._acting:
-            placed = self._placed(name, k)
-            self._acting[place] = placed, self._forces[name].geometric(placed, k)
-        placed, geometric = self._acting[place]
-        free = self._moves(placed, name, k, case)
-        return float(_largest_inverses(_reduced(placed, free, geometric, case.plane)[None])[0])
+    def largest_inverses(self, places: Sequence[Place], case: _Case) -> dict[Place, float]:
+        """1/factor of the lowest modes by place; 0 for none, and for those below another's."""
+        found, largest = {}, 0.0
+        for some in together(self._forces, places):
+            every = np.arange(len(some.positions))
+            for place, reduced in zip(some.places, self._reduced(some, every, case), strict=True):
+                below = largest > 0 and _is_below(reduced, (1 - _ROUND_OFF) * largest)
+                found[place] = 0.0 if below else _largest_inverse(reduced)
+                largest = max(largest, found[place])
+        return found
 
-    def _alike(self, places: Sequence[_Place]) -> dict[tuple[object, ...], list[_Place]]:
-        """Places by pose and pace."""
-        result: dict[tuple[object, ...], list[_Place]] = {}
-        for name, k in places:
-            result.setdefault(self._pose(name, k), []).append((name, k))
-        return result
+    def _reduced(self, some: Together, asked: IntArray, case: _Case) -> list[FloatArray]:
+        """-X' K_s X (m, m) of the motions X of unit stiffness, of some of the positions."""
+        own = some.placed.unknowns(_PLANES[case.plane])
+        geometric = some.geometric[np.ix_(asked, own, own)]
+        moves = self._moves(some, asked, case)
+        return [-x.T @ one @ x for x, one in zip(moves, geometric, strict=True)]
 
     def _pose(self, name: str, k: int) -> tuple[object, ...]:
         """Pose to a billionth of the linkage's size, and pace: all that motions depend on."""
@@ -432,27 +434,19 @@ class _Search:
             self._poses[name, k] = run.pace, size, pose.tobytes()
         return self._poses[name, k]
 
-    def _placed(self, name: str, k: int) -> PlacedLinks:
-        return self.model.placed(self._cycles[name].poses[k])
+    def _moves(self, some: Together, asked: IntArray, case: _Case) -> list[FloatArray]:
+        """Motions (n, m) of unit stiffness that the joints leave free, of some of the positions."""
 
-    def _moves(self, placed: PlacedLinks, name: str, k: int, case: _Case) -> FloatArray:
-        """Motions (n, m) of unit stiffness that the joints leave free at a position."""
-
-        def solve() -> FloatArray:
-            rows = self._joint_rows(placed, name, k, stiff=case.stiff)
+        def solve(those: Sequence[int]) -> Sequence[FloatArray]:
+            own = asked[list(those)]
+            rows = some.rows(stiff=case.stiff)[own]
             try:
-                return placed.unit_motions(rows, _PLANES[case.plane])
+                return some.placed.at(own).unit_motions(rows, _PLANES[case.plane])
             except LooseFrameError as error:
                 raise self._loose(case.plane, error) from error
 
-        return self._motions.of((self._frame, self._pose(name, k), case), solve)
-
-    def _joint_rows(self, placed: PlacedLinks, name: str, k: int, *, stiff: bool) -> FloatArray:
-        """All joints at a position (r, n); cases that share them ask for them one after another."""
-        key = (name, k), stiff
-        if self._last_rows is None or self._last_rows[0] != key:
-            self._last_rows = key, self._rows[name].rows(placed, k, stiff=stiff)
-        return self._last_rows[1]
+        keys = [(self._frame, self._pose(*some.places[n]), case) for n in asked]
+        return self._motions.of(keys, solve)
 
     def _loose(self, plane: str, error: LooseFrameError) -> loads.LinkageError:
         """The error of a frame that moves without strain, with bars of very unlike stiffness."""
@@ -472,11 +466,10 @@ class _Search:
         return loads.LinkageError(f"buckling of the linkage, {plane}: {error}{apart}")
 
     def _modes(self, name: str, k: int, case: _Case) -> FrameModes:
-        placed = self._placed(name, k)
-        rows = self._joint_rows(placed, name, k, stiff=case.stiff)
-        geometric = self._forces[name].geometric(placed, k)
+        here = Together(name, self._forces[name], np.array([k]))
+        rows = here.rows(stiff=case.stiff)[0]
         try:
-            return placed.buckling(rows, geometric, _PLANES[case.plane])
+            return here.placed.at(0).buckling(rows, here.geometric[0], _PLANES[case.plane])
         except LooseFrameError as error:
             raise self._loose(case.plane, error) from error
 
@@ -511,14 +504,16 @@ class _Search:
         """Everything about the lowest mode of a position."""
         modes = self._modes(name, k, case)
         factor, shape = float(modes.factors[0]), modes.shapes[:, 0]
-        placed, forces = self._placed(name, k), self._forces[name]
+        placed = self.model.placed(self._cycles[name].poses[k])
+        forces = self._forces[name]
         strain = placed.stiffness * shape[:, None] * shape
         parts = {link.name: placed.part(n) for n, link in enumerate(placed.links)}
         energy = {body: float(strain[np.ix_(own, own)].sum()) for body, own in parts.items()}
+        total = sum(energy.values())
         pressed = {n: float(-bar.axial(k).min()) for n, bar in forces.bars.items()}
         number = max(
             (n for n in pressed if pressed[n] > 0),
-            key=lambda n: energy[placed.links[n].name],
+            key=lambda n: round(energy[placed.links[n].name] / total, _SHARE_DIGITS),
             default=None,
         )
         body, compression, length = None, 0.0, None
@@ -529,7 +524,6 @@ class _Search:
         shown, unit, values = shown_of(self._design, name, self._cycles[name])
         phase = self._cycles[name].phases[int(self._cycles[name].phase_of[k])]
         places, moved = self.model.moved(placed, shape)
-        total = sum(energy.values())
         return LinkageMode(
             factor=factor,
             plane=case.plane,

@@ -337,6 +337,37 @@ def test_rows_that_others_imply_leave_the_same_motions_free(plane):
     assert_allclose(projectors[0], projectors[1], atol=1e-9)
 
 
+@pytest.mark.parametrize("plane", [IN_PLANE, OUT_OF_PLANE])
+def test_motions_of_unit_stiffness_are_those_that_rows_leave_free_in_every_position(plane):
+    """Two angles at once, by blocks; with rows that others imply, each by itself."""
+    placed, clamp = cantilever(angle=0.7)
+    other, turned = cantilever(angle=-0.2)
+    both = PlacedLinks(
+        placed.links,
+        np.array([placed.origins, other.origins]),
+        np.array([placed.angles, other.angles]),
+    )
+    own = placed.unknowns(plane)
+    for rows in (
+        np.array([clamp, turned]),
+        np.array([np.vstack([r, r[:1]]) for r in (clamp, turned)]),
+    ):
+        for number, motions in enumerate(both.unit_motions(rows, plane)):
+            assert motions.shape == (len(own), len(own) - 3)
+            assert_allclose(rows[number][:, own] @ motions, 0, atol=1e-12 * np.abs(motions).max())
+            stiffness = motions.T @ placed.stiffness[np.ix_(own, own)] @ motions
+            assert_allclose(stiffness, np.eye(len(own) - 3), atol=1e-9)
+
+
+def test_motions_of_many_positions_tell_what_moves_without_strain():
+    placed, clamp = cantilever()
+    both = PlacedLinks(
+        placed.links, np.repeat(placed.origins[None], 2, 0), np.repeat(placed.angles[None], 2, 0)
+    )
+    with pytest.raises(LooseFrameError):
+        both.unit_motions(np.array([clamp[:2], clamp[:2]]), IN_PLANE)
+
+
 def test_motion_between_nodes_is_that_of_a_node_there():
     """A cubic in both planes with twist; the member's ends from it, its middle and an arm read."""
     placed, _ = cantilever(1)

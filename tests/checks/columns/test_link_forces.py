@@ -64,6 +64,15 @@ def test_weight_and_inertia_of_a_rigid_body_act_at_its_centre(quick_return):
     assert_allclose(force[0], expected, rtol=1e-6, atol=1e-9)
 
 
+def form(forces, placed, k, column):
+    """Geometric stiffness of 1 N of one of the forces alone."""
+    sizes = np.zeros_like(forces.sizes)
+    sizes[:, column] = 1.0
+    alone = replace(forces)
+    alone.__dict__["sizes"] = sizes
+    return alone.geometric(placed, k)
+
+
 def test_what_a_block_presses_in_a_slot_goes_along_with_the_block(quick_return):
     """From the lever's pivot to the crank pin: 110 mm and 70 mm at the angle of the crank."""
     model, run, rows = quick_return
@@ -77,9 +86,9 @@ def test_what_a_block_presses_in_a_slot_goes_along_with_the_block(quick_return):
     before = sum(len(bar.pushed) for bar in forces.bars.values()) + 2 * first
     for k in (0, 3, 8):
         placed = model.placed(run.poses[k])
-        form = forces.forms(placed, k)[before]  # of 1 N along x: f . r of a turn in the plane
+        along_x = form(forces, placed, k, before)  # f . r of a turn in the plane
         turn = placed.part(link)[5]
-        assert_allclose(form[turn, turn], 110 + 70 * np.cos(run.positions[k]), rtol=1e-6)
+        assert_allclose(along_x[turn, turn], 110 + 70 * np.cos(run.positions[k]), rtol=1e-6)
 
 
 def test_a_block_that_carries_a_lever_turns_its_force_with_it(quick_return):
@@ -95,20 +104,33 @@ def test_a_block_that_carries_a_lever_turns_its_force_with_it(quick_return):
     centre, alpha = lever.centre[0], run.accelerations[0, link + 1, 2]
     inertia = lever.inertia + lever.mass * centre**2
     up = (200 * rod - lever.mass * 9810 * centre - inertia * alpha) / 180
-    found = np.tensordot(forces.sizes[0, -2:], forces.forms(placed, 0)[-2:], 1)
+    sizes = forces.sizes[0]
+    found = sum(sizes[n] * form(forces, placed, 0, n) for n in (len(sizes) - 2, len(sizes) - 1))
     expected = slot_force(a, b, normal, up)
     assert_allclose(found, expected, atol=1e-4 * np.abs(expected).max())
     assert up > 200
 
 
-def test_forces_that_are_added_up_before_make_what_their_forms_do(quick_return):
+def test_forces_of_many_positions_add_up_to_what_each_makes_by_itself(quick_return):
     model, run, rows = quick_return
     forces = forces_of(model, rows)
-    for k in (0, 7, len(run.positions) - 1):
+    some = np.array([0, 7, len(run.positions) - 1])
+    together = forces.geometric(model.placed(run.poses[some]), some)
+    for k, found in zip(some, together, strict=True):
         placed = model.placed(run.poses[k])
-        one_by_one = np.tensordot(forces.sizes[k], forces.forms(placed, k), 1)
-        found = forces.geometric(placed, k)
+        forms = [form(forces, placed, k, n) for n in range(forces.sizes.shape[1])]
+        one_by_one = np.tensordot(forces.sizes[k], forms, 1)
         assert_allclose(found, one_by_one, rtol=0, atol=1e-12 * np.abs(one_by_one).max())
+
+
+def test_joints_of_many_positions_hold_what_each_does_by_itself(quick_return):
+    model, run, rows = quick_return
+    some = np.array([0, 5, 8])
+    for stiff in (False, True):
+        together = rows.rows(model.placed(run.poses[some]), some, stiff=stiff)
+        for k, found in zip(some, together, strict=True):
+            alone = rows.rows(model.placed(run.poses[k]), int(k), stiff=stiff)
+            assert_allclose(found, alone, rtol=0, atol=1e-12 * np.abs(alone).max())
 
 
 # joints ------------------------------------------------------------------------------------------
@@ -197,16 +219,16 @@ def test_a_position_that_only_the_fine_frame_shows_to_be_the_lowest_is_found():
     """Coarse factors are up to 3 % too high: 1/0.98 may be 1/1.005 in truth, 1/0.95 may not."""
     asked, proven = [], []
 
-    def largest_inverse(place, case):
-        asked.append(place[1])
-        return {4: 1.001, 7: 1.005, 1: 1.002}[place[1]]
+    def largest_inverses(places, case):
+        asked.extend(k for _, k in places)
+        return {place: {4: 1.001, 7: 1.005, 1: 1.002}[place[1]] for place in places}
 
     def factor(name, k, case):
         proven.append(k)
         return 1 / 1.005
 
     ranked = [(1.0, ("a", 4)), (0.98, ("a", 7)), (0.979, ("a", 1)), (0.95, ("a", 2))]
-    search = SimpleNamespace(factor=factor, largest_inverse=largest_inverse)
+    search = SimpleNamespace(factor=factor, largest_inverses=largest_inverses)
     assert _Search.lowest(search, _IN, ranked) == (1 / 1.005, "a", 7)
     assert asked == [4, 7, 1]
     assert proven == [7]

@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 import loads
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
-from checks.columns.link_joints import JointRows
+from checks.columns.link_joints import JointRows, forces_of
 from checks.columns.linkage_frame import (
     _IN,
     _SOFT,
@@ -170,7 +170,7 @@ def test_no_position_of_any_case_is_worse_than_those_that_are_ranked_first():
     search = _Search(design, solve_cycles(design, {}), COARSE)
     ranked = search.ranked()
     for case in (_IN, _SOFT, _STIFF):
-        worst = max(search.largest_inverse((name, k), case) for k in range(25))
+        worst = max(search.largest_inverses([(name, k) for k in range(25)], case).values())
         assert worst > 0
         assert ranked[case][0][0] == pytest.approx(worst, rel=1e-9)
 
@@ -331,7 +331,9 @@ def test_a_crank_that_turns_round_holds_a_four_bar_that_would_swing_about_its_su
     design = read_design(tmp_path / "four_bar.toml")
     runs = solved(design)
     search = _Search(design, runs, COARSE)
-    search._rows = {name: JointRows(search.model, run) for name, run in runs.items()}
+    search._forces = {
+        name: forces_of(search.model, JointRows(search.model, run)) for name, run in runs.items()
+    }
     with pytest.raises(ValueError, match="can move without strain"):
         search.factor("turn", 0, _SOFT)
     mode = worst_mode(design, runs)
