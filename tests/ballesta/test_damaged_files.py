@@ -121,7 +121,7 @@ def test_damaged_columns_end_as_the_contract_says(measured, edits):
     checked(file, "motion.csv", damaged(data, edits))
 
 
-@drawn(40)
+@drawn(20)
 def test_damaged_drawings_end_as_the_contract_says(drawing, edits):
     file, data = drawing
     checked(file, "link.step", damaged(data, edits))

@@ -92,6 +92,7 @@ width = "30 mm"
 wall = "3 mm"
 mesh = { fineness = 0.5 }
 """
+COARSE = ["accuracy=30 %"]
 
 
 def written(folder, machine=MACHINE + MEASURED, file="crank.toml"):
@@ -343,7 +344,7 @@ def test_a_part_has_the_stresses_of_the_solved_cycle_under_its_measured_loads(wi
     """The loads agree to 1e-9, and stresses are linear in them."""
     folder = with_part[0]
     solved, read = (
-        check_file(folder / name, effort=SOLID) for name in ("solved.toml", "measured.toml")
+        check_file(folder / name, COARSE, effort=SOLID) for name in ("solved.toml", "measured.toml")
     )
     (own,), (other,) = solved.parts, read.parts
     for check, again in zip(own.checks, other.checks, strict=True):
@@ -365,7 +366,7 @@ def test_a_part_is_checked_under_readings_that_are_off_by_half_a_percent(with_pa
         values[:, names.index(name)] *= 1 + 0.005 * random.uniform(-1, 1, len(values))
     (folder / "noisy.csv").write_text(csv_text(dict(zip(names, values.T, strict=True))))
     noisy = (folder / "measured.toml").read_text().replace("motion.csv", "noisy.csv")
-    result = check_file(written(folder, noisy, "noisy.toml"), effort=SOLID)
+    result = check_file(written(folder, noisy, "noisy.toml"), COARSE, effort=SOLID)
     (gate,) = [gate for gate in result.gates if gate.name.startswith("run: balance")]
     assert 1e-3 < gate.value < 0.01
     assert all(gate.holds for gate in result.parts[0].gates)

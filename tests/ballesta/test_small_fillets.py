@@ -104,7 +104,7 @@ def judged(shape, accuracy):
     return peak.value(levels[-1]), bars_of(peak, part, levels, accuracy)
 
 
-@pytest.mark.parametrize(("radius", "accuracy"), [(2.0, 0.2), (2.0, 0.05), (0.5, 0.2), (0.5, 0.05)])
+@pytest.mark.parametrize(("radius", "accuracy"), [(2.0, 0.05), (0.5, 0.2)])
 def test_the_peak_in_a_fillet_lies_inside_its_bar(tmp_path, radius, accuracy):
     value, bars = judged(bar(tmp_path / "bar.step", with_fillets(radius)), accuracy)
     reach = bars.numerical.value + 0.01 * value
@@ -112,15 +112,16 @@ def test_the_peak_in_a_fillet_lies_inside_its_bar(tmp_path, radius, accuracy):
     assert reach < 0.25 * value
 
 
-@pytest.mark.parametrize("accuracy", [0.2, 0.05])
-def test_a_fillet_far_smaller_than_the_first_elements_is_found(tmp_path, accuracy):
-    """Two meshes agreed on 2000 MPa to 4 %: neither saw the radius of 0.15 mm."""
-    value, bars = judged(bar(tmp_path / "bar.step", with_fillets(0.15)), accuracy)
+def test_a_fillet_far_smaller_than_the_first_elements_is_found(tmp_path):
+    """Two meshes agreed on 2000 MPa to 4 %: neither saw the radius of 0.15 mm.
+
+    At an accuracy of 20 %, which ends first: what finds it there is refined further by 5 %.
+    """
+    value, bars = judged(bar(tmp_path / "bar.step", with_fillets(0.15)), 0.2)
     assert abs(value - PEAKS[0.15]) < bars.numerical.value + 0.01 * value
 
 
-@pytest.mark.parametrize("turn", [20, 30, 34])
-@pytest.mark.parametrize("accuracy", [0.2, 0.05])
+@pytest.mark.parametrize(("turn", "accuracy"), [(20, 0.05), (34, 0.2)])
 def test_a_shallow_sharp_edge_is_never_judged(tmp_path, turn, accuracy):
     _, bars = judged(bar(tmp_path / "bar.step", with_ramps(turn)), accuracy)
     exponent = singular_exponent(radians(180 + turn))

@@ -14,6 +14,12 @@ from ..small_machine import PLATE, machine
 PRESS = Path(__file__).parents[2] / "designs" / "toggle_press.toml"
 HIDDEN = {"CHOLMOD": (), "PARDISO": ("sksparse",), "SuperLU": ("sksparse", "pypardiso")}
 ROD = ["accuracy=30 %", "parts.rod.mesh.fineness=0.4"]
+COARSE = [
+    "accuracy=30 %",
+    "parts.bar_upper.mesh.fineness=0.4",
+    "parts.pin_B.mesh.fineness=0.45",
+    "cycles.press.positions=91",
+]
 SAME, SAME_MODE = 1e-9, 1e-6  # relative: stresses and forces; eigenvalues and what follows of them
 ROUND_OFF = 1e-12  # of the largest number of its kind
 pytestmark = pytest.mark.usefixtures("unshared")  # what one solver found is no other's
@@ -125,8 +131,8 @@ def test_a_check_by_formula_names_no_solver(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["PARDISO", "SuperLU"])
-def test_the_press_has_the_same_numbers_by_each_solver(name):
-    assert (
-        differing(*(checked(each, lambda: check_file(PRESS)) for each in ("CHOLMOD", name))) == []
-    )
+def test_the_press_has_the_same_numbers_by_each_solver():
+    """Contact in bores and columns, beside the rod's stresses; meshes are coarser than a user's."""
+    found = {name: checked(name, lambda: check_file(PRESS, COARSE)) for name in HIDDEN}
+    assert differing(found["CHOLMOD"], found["PARDISO"]) == []
+    assert differing(found["CHOLMOD"], found["SuperLU"]) == []

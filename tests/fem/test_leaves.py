@@ -141,10 +141,12 @@ def test_impossible_stacks_and_friction_are_refused():
 
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
-@pytest.mark.parametrize("count", [2, 3])
-def test_leaves_on_two_supports_agree_with_calculix(count):
-    """Stiffness within 3 %, stress within 5 %, loaded and relieved (bench/leaf_contact.py)."""
-    pack = Pack(count, 0.3, 100.0)
+def test_leaves_on_two_supports_agree_with_calculix():
+    """Stiffness within 3 %, stress within 5 %, loaded and relieved (bench/leaf_contact.py).
+
+    Of three, whose middle one rubs on both faces.
+    """
+    pack = Pack(3, 0.3, 100.0)
     ours, theirs = beams(pack), calculix(pack)
     assert_allclose(ours.deflection, theirs.deflection, rtol=0.03)
     assert_allclose(ours.stress, theirs.stress, rtol=0.05)
