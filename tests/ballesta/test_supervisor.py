@@ -88,6 +88,8 @@ class Started:
     def __init__(self, hog, folder, *argv):
         (folder / "hogs.py").write_text(HOGS)
         code = (
+            # a shell that starts the tests in the background has interrupts ignored
+            "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
             f"import sys; sys.path[:0] = {[str(folder), str(ROOT)]!r}; "
             f"import ballesta.supervisor as s; s._CHILD = 'hogs:{hog}'; "
             f"sys.exit(s.supervise({list(argv)!r}))"

@@ -154,10 +154,10 @@ def both_ways(part, pull, push):
 
 
 def test_a_pressed_part_unlike_all_that_were_compared_passes_far_from_its_bound(design):
-    """A plate six times as thick as its bore is wide: the bar's own share and what stress adds."""
+    """A plate ten times as thick as its bore is wide: the bar's own share and what stress adds."""
     part = design.parts["crank"]
     shape = part.geometry
-    thick = replace(part, geometry=replace(shape, thickness=6 * shape.hole))
+    thick = replace(part, geometry=replace(shape, thickness=10 * shape.hole))
     model, buckling = estimated(design, thick, link_loads(thick, -PULL, 0.0))
     check = buckling.check
     assert check.status is Status.PASS
