@@ -111,7 +111,7 @@ def what_if(result: DesignResult) -> Markup | None:
     load = levers.number(levers.load())
     for each, check in zip(checks, (check for check in result.checks if check.value), strict=True):
         pressed = check.part in contacts and check.method.startswith(SOLID)
-        followed = pressed and check.kind in ("static", "fatigue")
+        followed = check.kind in ("static", "fatigue") and (pressed or levers.lasts(check))
         each["load"] = 0 if followed else _exponent_of_load(check)
         each["pins"] = _by_pins(check, levers, followed)
     data = {
@@ -153,7 +153,7 @@ def _check(check: Check, title: str, levers: "_Levers", governs: bool) -> dict[s
 def _by_pins(check: Check, levers: "_Levers", pressed: bool) -> list[dict[str, Any]]:
     """A check's value and bars by the settings of its pins, each over the value as it is.
 
-    pressed  contact decides it, which a factor on all loads changes, too
+    pressed  contact decides it, or a bush pressed in: neither goes with a factor on all loads
 
     None where a setting is not followed: the stress of a like part that no solid was solved for.
     """
@@ -284,10 +284,17 @@ class _Levers:
             _LOAD, "load factor", f"{now:g}", {text: {} for text in sorted(texts, key=float)}
         )
 
+    def lasts(self, check: Check) -> bool:
+        """True where a bush pressed into the part stresses it whatever the loads."""
+        return "pressed" in self.parts[check.part].charts
+
     def of_load(self, check: Check) -> tuple[Lever, list["Pressed | None"]]:
         """Factor on all loads, and a check by it whose pins press by contact."""
         lever, kinds = self.load(), self.parts[check.part].charts.get("pins", {}).get("kinds", {})
         own, now = kinds.get(check.kind), float(lever.now)
+        if self.lasts(check):
+            as_it_is = Pressed(1.0, check.upper / check.value, check.lower / check.value)
+            return lever, [as_it_is if text == lever.now else None for text in lever.changes]
         if own is None or not isfinite(check.upper):
             return lever, [None] * len(lever.changes)
         return lever, [_by_load(check, own, float(text) / now) for text in lever.changes]
@@ -448,6 +455,8 @@ class _Levers:
         fits: Mapping[str, Sequence[float]] = pins.get("fits", {})
         if not any("clearances" in kind for kind in pins.get("kinds", {}).values()):
             return None
+        if "pressed" in self.parts[owner].charts:
+            return None  # what is left of the stated fit, which a bush has closed
         ranges = {tuple(ends) for ends in fits.values()}
         now = f"{' or '.join(f'{low:.4g} to {high:.4g}' for low, high in sorted(ranges))} mm"
         changes: dict[str, Changes] = {now: {}}

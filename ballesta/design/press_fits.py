@@ -20,7 +20,7 @@ def with_press_fits(parts: Mapping[str, Part], problems: Problems) -> dict[str, 
 
     A bush that is pressed in is narrower inside: the clearances of its pin are those that are left.
     """
-    found = dict(parts)
+    found, sound = dict(parts), not problems
     for pin in parts.values():
         for index, entry in enumerate(pin.stack):
             if entry.bush is None or entry.bush.fit is None:
@@ -33,7 +33,7 @@ def with_press_fits(parts: Mapping[str, Part], problems: Problems) -> dict[str, 
                     "them depends on it",
                 )
             bores = list(_bores(pin, entry, parts))
-            if not bores:
+            if not bores and sound:  # a part that is not understood may have it
                 problems.add(
                     f"{key}.fit",
                     f"no part of the design has the bore of {entry.name} at {pin.joint} that the "
@@ -83,7 +83,15 @@ def _fit(
         )
         return None
     elastic = material.youngs_modulus, material.poisson_ratio
-    return PressFit(least, largest, bore.radius, ratio, *elastic, pin=pin.name)
+    return PressFit(
+        least,
+        largest,
+        bore.radius,
+        ratio,
+        *elastic,
+        pin=pin.name,
+        yield_stress=material.yield_stress,
+    )
 
 
 def _pressed(part: Part, bore: str, fit: PressFit, problems: Problems) -> Part:

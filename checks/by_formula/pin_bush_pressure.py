@@ -1,7 +1,9 @@
 """Mean pressure of the bushes on a pin, on their projected area, against what a bush may take."""
 
 from collections.abc import Iterator, Mapping
+from math import inf
 
+from checks.handbook.press_fits import LARGEST, ring_flexibility
 from checks.joints.lugs import BushOnPin, bushes_of, pressure_on, uneven_share
 from checks.part.derived import Heading, Kind
 from checks.part.loaded_part import LoadedPart
@@ -56,9 +58,18 @@ def not_checked(loaded: LoadedPart) -> Iterator[str]:
                 f"the bush of {fit.pin} in {bore} is pressed in with {fit.least:.3g} to "
                 f"{fit.largest:.3g} mm of interference on diameter: the even pressure that this "
                 "leaves between elastic rings acts for good, in static checks and as a mean "
-                "stress; how much of it is left at working temperature, and what holds the bush in "
-                "place, is not checked"
+                "stress, as large whatever the loads do to the bore; how much of it is left at "
+                "working temperature, and what holds the bush in place, is not checked"
             )
+            own = part.material
+            lug = ring_flexibility(inf, own.youngs_modulus, own.poisson_ratio)
+            hoop = fit.at(LARGEST).hoop(lug)
+            if hoop > fit.yield_stress:
+                yield (
+                    f"the bush of {fit.pin} in {bore} yields as it is pressed in (up to "
+                    f"{hoop:.3g} MPa of {fit.yield_stress:.3g} MPa at its inside): it presses less "
+                    "than told, and closes more"
+                )
             continue
         for pin in design.parts.values():
             for index, entry in enumerate(pin.stack if pin.joint == point else ()):

@@ -39,7 +39,7 @@ _PRESSED = {  # um above the nominal diameter: p by steps, the others by finer o
 }
 _MOST_PRESSED = 400  # mm
 DEFAULT = "H7/f7"  # of a pin that turns in its bore, where a design states no fit
-_CODE = re.compile(r"\s*([A-Z]+)(\d+)\s*/\s*([a-z]+)(\d+)\s*")
+_CODE = re.compile(r"\s*([A-Z]+)([1-9]\d*)\s*/\s*([a-z]+)([1-9]\d*)\s*")
 
 
 def clearances_of(code: str, diameter: float) -> tuple[float, float]:

@@ -26,6 +26,7 @@ class PressFit:
     poisson_ratio   of the bush
     share           of the way from the least to the largest interference
     pin             name of the part whose stack has the bush
+    yield_stress    MPa, of the bush
     """
 
     least: float
@@ -36,6 +37,7 @@ class PressFit:
     poisson_ratio: float
     share: float = MIDDLE
     pin: str = ""
+    yield_stress: float = inf
 
     def at(self, share: float) -> Self:
         """The same bush at another share of the way from the least to the largest interference."""
@@ -67,14 +69,20 @@ class PressFit:
         """
         return self.pressure(lug) * pi * self.radius * length
 
+    def hoop(self, lug: float) -> float:
+        """Compression around the bush at its inside, MPa, where it yields first.
+
+        lug  as for `pressure`
+        """
+        square = self.ratio**2
+        return self.pressure(lug) * 2 * square / (square - 1)
+
     def closing(self, lug: float) -> float:
         """How much narrower the pressed bush is inside, mm on diameter.
 
         lug  as for `pressure`
         """
-        square = self.ratio**2
-        inner = 2 * self.radius / self.ratio
-        return inner * self.pressure(lug) * 2 * square / (square - 1) / self.youngs_modulus
+        return 2 * self.radius / self.ratio * self.hoop(lug) / self.youngs_modulus
 
 
 def ring_flexibility(ratio: float, youngs_modulus: float, poisson_ratio: float) -> float:

@@ -6,6 +6,7 @@
     fkm          the same by the FKM guideline's
     sn           S-N line and the duty's cycles, of either chain
     column       stress and slenderness as a column (checks.by_formula.column)
+    pressed      bores with a bush that is pressed in, which no factor on the loads changes
     convergence  the judged stresses on every mesh
     pins         the judged stresses by clearance and arc of pins (checks.ladder.pin_settings)
 
@@ -77,6 +78,8 @@ def charts_of(
         charts["haigh"] = haigh_data(part, level, peak)
         charts["sn"] = life_data(loaded, level, peak, life_task(part, loaded.duty))
     charts |= by_formula.charts(loaded)
+    if loads.press_fits:
+        charts["pressed"] = sorted(loads.press_fits)
     if len(levels) > 1:
         charts["convergence"] = convergence_data(levels, _judged(loads, use))
     return charts

@@ -199,6 +199,8 @@ def solve_stress(
     before  the same part, or it with other fits, on the first meshes
     """
     doubts: list[LoadBars] = [] if before is None else [before.doubts]
+    if before is not None and before.loaded is not loaded and loaded.loads.press_fits:
+        doubts.clear()  # what a bush adds is no share of what the pins make, which is another now
 
     def widened(levels: Sequence[Level]) -> LoadBars:
         if not doubts:

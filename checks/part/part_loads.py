@@ -155,9 +155,9 @@ class PartLoads:
 
     @property
     def is_nothing(self) -> bool:
-        """True if no force, couple, weight or inertia acts at any position."""
+        """True if no force, couple, weight, inertia or pressed bush acts at any position."""
         wrenches = (wrench.any() for wrench in self.wrenches.values())
-        return not (self.accelerations.any() or any(wrenches))
+        return not (self.accelerations.any() or any(wrenches) or self.press_fits)
 
     def within(self, before: "PartLoads", share: float) -> bool:
         """True if no load differs by more than a share of its largest value before."""
@@ -293,18 +293,24 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
 
 
 def _of_press_fits(loads: PartLoads) -> list[PartDoubt]:
-    """The range of interferences that each bush may have, as a doubt of the loads."""
-    return [
-        PartDoubt(
-            f"interference of the bush in {bore}, {fit.least:.3g} to {fit.largest:.3g} mm",
-            tuple(
-                replace(loads, press_fits={**loads.press_fits, bore: fit.at(share)}, doubts=())
-                for share in (LEAST, LARGEST)
-            ),
-        )
+    """The ranges of interference that the bushes may have, all at one end: a doubt of the loads.
+
+    One at a time another bush at its middle would hold the peak.
+    """
+    ranges = [
+        f"the bush in {bore}, {fit.least:.3g} to {fit.largest:.3g} mm"
         for bore, fit in loads.press_fits.items()
         if fit.least < fit.largest
     ]
+    ends = (
+        replace(
+            loads,
+            press_fits={bore: fit.at(share) for bore, fit in loads.press_fits.items()},
+            doubts=(),
+        )
+        for share in (LEAST, LARGEST)
+    )
+    return [PartDoubt(f"interference of {' and of '.join(ranges)}", tuple(ends))] if ranges else []
 
 
 def _own_swing(part: Part, placing: Placing, runs: Runs, factor: float) -> dict[float, FloatArray]:

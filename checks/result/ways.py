@@ -247,6 +247,14 @@ def _by_clearance(
     }
     if not found:
         return
+    if any(bore in part.charts.get("pressed", ()) for bore in found):
+        left = " and ".join(f"{most:g} mm in {bore}" for bore, most in found.items())
+        yield Way(
+            settles,
+            "state the fit of its pins (fits) before the bushes are pressed in: it passes with "
+            f"clearances of up to {left} that these leave",
+        )
+        return
     fits = {f"fits.{bore}": f'"0 .. {most:g} mm"' for bore, most in found.items()}
     if f"parts.{part.name}.bearing_arc" in {key for key, _ in result.defaults}:
         clearance = f"{max(found.values()):g} mm"

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from fem import block_whitening
 from fem.frame import (
     Frame,
     LooseFrameError,
@@ -357,6 +358,28 @@ def test_motions_of_unit_stiffness_are_those_that_rows_leave_free_in_every_posit
             assert_allclose(rows[number][:, own] @ motions, 0, atol=1e-12 * np.abs(motions).max())
             stiffness = motions.T @ placed.stiffness[np.ix_(own, own)] @ motions
             assert_allclose(stiffness, np.eye(len(own) - 3), atol=1e-9)
+
+
+def test_what_no_row_holds_is_taken_apart_once_and_gives_the_same_motions(monkeypatch):
+    placed, clamp = cantilever(angle=0.7)
+    both = PlacedLinks(
+        placed.links, np.repeat(placed.origins[None], 2, 0), np.repeat(placed.angles[None], 2, 0)
+    )
+    rows, taken = np.array([clamp, clamp]), []
+    by_blocks = block_whitening.Inner.unit_motions
+
+    def seen(inner, free):
+        taken.append(by_blocks(inner, free))
+        return taken[-1]
+
+    monkeypatch.setattr(block_whitening.Inner, "unit_motions", seen)
+    found = both.unit_motions(rows, IN_PLANE)
+    assert taken
+    assert taken[0] is not None
+    monkeypatch.setattr(block_whitening.Inner, "unit_motions", lambda *_: None)
+    whole = both.unit_motions(rows, IN_PLANE)
+    for one, other in zip(found, whole, strict=True):
+        assert_allclose(one @ one.T, other @ other.T, rtol=1e-6, atol=1e-9 * (one @ one.T).max())
 
 
 def test_motions_of_many_positions_tell_what_moves_without_strain():

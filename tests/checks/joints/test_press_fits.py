@@ -1,5 +1,6 @@
 """Bushes that are pressed into lugs: by Lame's rings, by formula and solid, in design files."""
 
+import json
 from dataclasses import replace
 from math import inf
 
@@ -9,8 +10,10 @@ from numpy.testing import assert_allclose
 
 from ballesta.commands.export import export_part
 from ballesta.design.read import read_design
+from ballesta.pipeline import check_design
 from checks.by_formula import not_checked
 from checks.derivations.stresses import static
+from checks.design.effort import Effort
 from checks.design.errors import DesignError
 from checks.handbook.fits import interferences_of
 from checks.handbook.press_fits import LARGEST, LEAST, MIDDLE, PressFit, ring_flexibility
@@ -24,9 +27,11 @@ from checks.stress.clearances import values_at
 from checks.stress.judged import RaisedInBores, StaticPeak, direct_under
 from checks.stress.solid_mesh_level import Models
 from fatigue import goodman
+from reports.what_if import what_if
 
 from ...small_machine import MACHINE, PLATE, machine, solved
 
+FORMULA = Effort("formula")
 BUSH = 'length = "8 mm", allowable = "40 MPa"'
 STEEL = f'{BUSH}, material = "S355"'
 FIT = f'{STEEL}, fit = "0.02 .. 0.04 mm"'
@@ -194,6 +199,65 @@ def test_both_ends_of_the_interference_are_in_the_band(tmp_path):
         assert "interference of the bush in first, 0.02 to 0.04 mm" in check.note
 
 
+SECOND = (
+    PIN.replace("pin_A", "pin_B")
+    .replace('joint = "A"', 'joint = "B"')
+    .replace('"crank"', '"slider"')
+)
+
+
+def test_bushes_in_two_bores_are_at_the_same_end_together(tmp_path):
+    """With one at its least alone the other one, at its middle, would hold the peak."""
+
+    def static_check(end):
+        bush = f'{STEEL}, fit = "{end}"'
+        text = LINK + (PIN + SECOND).replace("BUSH", bush).replace('"10 mm"', '"10.5 mm"')
+        design = machine(
+            tmp_path, text.replace("[parts.rod]\n", '[parts.rod]\ntilt_held_at = "first"\n')
+        )
+        climb = start_climb(LoadedPart.of(design, design.parts["rod"], solved(design)))
+        climb.by_formula()
+        return climb.best["static"].check
+
+    whole, least, most = map(static_check, ("0.005 .. 0.03 mm", "0.005 mm", "0.03 mm"))
+    assert least.value < 0.5 * whole.value
+    assert_allclose(whole.value - whole.loads_below, least.value, rtol=0.02)
+    assert_allclose(whole.value + whole.loads, most.value, rtol=0.02)
+    assert "interference of the bush in first" in whole.note
+    assert "and of the bush in second" in whole.note
+
+
+def test_a_load_factor_leaves_the_bush_and_the_page_follows_neither(tmp_path):
+    """Half of the loads is less than half as safe again; the page's slider would have doubled."""
+    design = link(tmp_path)
+    result = check_design(design, effort=FORMULA)
+    data = json.loads(str(what_if(result)))
+    (load,) = [lever for lever in data["levers"] if "load_factor" in lever["sets"][0]]
+    for name, check in zip((c["name"] for c in data["checks"]), data["checks"], strict=True):
+        if name.startswith(("rod static", "rod fatigue")):
+            assert check["load"] == 0
+            (rows,) = [p["rows"] for p in check["pins"] if data["levers"][p["lever"]] == load]
+            assert [k for k, row in enumerate(rows) if row] == [load["now"]]
+    text = LINK + PIN.replace("BUSH", FIT).replace("10 mm", "12.5 mm", 1)
+    half = check_design(machine(tmp_path, text, "load_factor=0.5"), effort=FORMULA)
+    one, other = (next(c for c in r.checks if c.kind == "static") for r in (result, half))
+    assert other.safety < 1.5 * one.safety
+
+
+def test_a_bush_in_a_part_without_load_has_its_stress(tmp_path):
+    loaded = loaded_link(tmp_path)
+    nothing = replace(
+        loaded.loads,
+        wrenches={k: 0 * w for k, w in loaded.loads.wrenches.items()},
+        accelerations=0 * loaded.loads.accelerations,
+    )
+    assert not nothing.is_nothing
+    assert replace(nothing, press_fits={}).is_nothing
+    climb = start_climb(loaded.under(nothing))
+    climb.by_formula()
+    assert climb.best["static"].check.value > 50.0
+
+
 def test_a_bent_pin_and_loose_arcs_raise_no_bush(tmp_path):
     loaded = loaded_link(tmp_path)
     loads = loaded.loads
@@ -305,8 +369,12 @@ def test_a_deck_for_another_program_has_the_bush_and_says_so(tmp_path):
     assert "first: even pressure of the bush pressed in with 0.03 mm" in deck
 
 
-def test_assumptions_name_the_bush(tmp_path):
-    (stated,) = not_checked(loaded_link(tmp_path))
+def test_assumptions_name_the_bush_and_one_that_yields(tmp_path):
+    stated, yields = not_checked(loaded_link(tmp_path))
     assert "bush of pin_A in first is pressed in with 0.02 to 0.04 mm" in stated
+    assert "the bush of pin_A in first yields as it is pressed in" in yields
+    assert "of 355 MPa at its inside" in yields
+    (stated,) = not_checked(loaded_link(tmp_path, FIT.replace("0.02 .. 0.04", "0.01 .. 0.02")))
+    assert "with 0.01 to 0.02 mm" in stated
     (silent,) = not_checked(loaded_link(tmp_path, STEEL))
     assert "left out, as parts.pin_A.stack[1].bush.fit is not stated" in silent
