@@ -455,8 +455,6 @@ class _Levers:
         fits: Mapping[str, Sequence[float]] = pins.get("fits", {})
         if not any("clearances" in kind for kind in pins.get("kinds", {}).values()):
             return None
-        if "pressed" in self.parts[owner].charts:
-            return None  # what is left of the stated fit, which a bush has closed
         ranges = {tuple(ends) for ends in fits.values()}
         now = f"{' or '.join(f'{low:.4g} to {high:.4g}' for low, high in sorted(ranges))} mm"
         changes: dict[str, Changes] = {now: {}}

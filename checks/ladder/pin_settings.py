@@ -46,7 +46,8 @@ def pins_data(
     kinds: dict[str, Any] = {}
     for what, own in bars.items():
         found: dict[str, Any] = {}
-        if level.contact is not None and own.clearances is not None:
+        # a bush pressed in closes the fits that are stated, and lasts whatever the loads
+        if level.contact is not None and own.clearances is not None and not level.lasting:
             found |= _of_clearances(part, what, level, level.contact, own)
         if len(own.by_arc) > 1:
             counts = that_count(part, uneven, static=isinstance(what, StaticPeak))
