@@ -47,6 +47,16 @@ class _OnSolid(Stressed):
         """Names of the bores whose pressure is solved."""
         return self.solid.solved_bores
 
+    @property
+    def lasting(self) -> Mapping[str, float]:
+        """Even pressure of bushes that are pressed in, N by bore."""
+        return self.solid.lasting
+
+    @property
+    def lasting_state(self) -> FloatArray:
+        """Coefficients (n_basis,) of what these make."""
+        return self.solid.lasting_state
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class EdgeLevel(_OnSolid):

@@ -3,6 +3,7 @@
 The plates of tests/fem/notched.py, pulled to 100 MPa and pushed back to -100 MPa.
 """
 
+from dataclasses import replace
 from math import inf, pi
 from types import SimpleNamespace
 
@@ -21,7 +22,7 @@ from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, Status
 from checks.strength.fatigue_assessment import FatigueUse
 from checks.stress.error_bars import bars_of
-from checks.stress.judged import StaticPeak
+from checks.stress.judged import StaticPeak, direct_under
 from checks.stress.sharp_edges import Spared, spared_level
 from checks.stress.solid_mesh_level import solve_level
 from fem.unit_solutions import Elastic, solve_unit_loads
@@ -186,6 +187,15 @@ def test_the_field_that_spares_an_edge_is_in_balance_and_bounds_the_plastic_limi
     assert_allclose(found[0].peak.value, found[1].peak.value, rtol=0.05)
     reactions = found[-1].softened.reactions(levels[-1].coefficients)
     assert np.abs(reactions).max() < 1e-6 * loads.largest_force
+
+
+def test_arcs_tried_on_that_field_keep_what_is_pressed_in(plate):
+    _, loads, levels = plate
+    level = spared_level(replace(levels[0], lasting={}), loads, Spared.of(levels[0]))
+    stress = direct_under(loads, level, 0, [pi])[:, :, 0]
+    assert_allclose(stress, level.history.at(0), atol=1e-6 * level.peak.value)
+    pressed = spared_level(replace(levels[0], lasting={"bore": 5.0}), loads, Spared.of(levels[0]))
+    assert pressed.lasting == {"bore": 5.0}
 
 
 def test_a_field_that_spares_edges_passes_a_part_and_never_fails_it(plate):
