@@ -286,7 +286,8 @@ class _Levers:
 
     def lasts(self, check: Check) -> bool:
         """True where a bush pressed into the part stresses it whatever the loads."""
-        return "pressed" in self.parts[check.part].charts
+        part = self.parts.get(check.part)  # none of the linkage
+        return part is not None and "pressed" in part.charts
 
     def of_load(self, check: Check) -> tuple[Lever, list["Pressed | None"]]:
         """Factor on all loads, and a check by it whose pins press by contact."""
