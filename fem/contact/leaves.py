@@ -33,6 +33,7 @@ _SOFT = 1e-4  # of E times the width: springs that hold loose leaves; results do
 _TURNS = 20
 _REPEATS = 1e-5  # of the largest slip: how well a turn must come to a position as the one before
 _ROUND_OFF = 1e-9  # of the largest force of contact
+_MOST_DOFS = 4500  # displacements and turns, 14 s and 1.2 GB of full matrices
 _FAINT = 1e-3  # of the largest load: forces of contact that may be taken for nothing
 
 
@@ -110,9 +111,17 @@ class _State:
 
 
 class LeafContact:
-    """Leaves with everything that depends neither on loads nor on friction."""
+    """Leaves with everything that depends neither on loads nor on friction.
+
+    Raises ContactError for a stack of so many places that its full matrices would take gigabytes.
+    """
 
     def __init__(self, stack: LeafStack) -> None:
+        if stack.n_dofs > _MOST_DOFS:
+            raise ContactError(
+                f"{stack.count} leaves that can touch at {len(stack.places)} places are more than "
+                f"this contact is solved for; together at most {_MOST_DOFS // 3} places"
+            )
         self.stack = stack
         b = stack.relative
         self.size = len(b) // 2

@@ -137,6 +137,8 @@ def test_impossible_stacks_and_friction_are_refused():
     with pytest.raises(ValueError, match="friction must be at least 0"):
         LeafContact(stack()).history(np.zeros((1, stack().n_dofs)), -0.1)
     assert issubclass(ContactError, ValueError)
+    with pytest.raises(ContactError, match="3 leaves that can touch at 601 places are more than"):
+        LeafContact(stack(spacing=880 / 600))
 
 
 @pytest.mark.slow
