@@ -78,6 +78,7 @@ _FITS = {  # by whether what is in the bore is pressed in
 }
 MOST = 1e20  # N, mm, s, ...: what is larger than any machine's; its powers are finite numbers
 _MOST_STIFFNESS = 1e30  # N mm2: E I grows with the fourth power of a length
+_MOST_OF = {"length": 1e9, "bending stiffness": _MOST_STIFFNESS}  # mm (1000 km), N mm2
 _NO_MACHINE = "which is not finite or beyond any machine"
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*(.*?)\s*")
@@ -282,9 +283,10 @@ def measure(value: object, *accepted: str) -> Measured:
         own = _unit(DIMENSIONS[name].unit)
         if own.powers == unit.powers:
             converted = number * (unit.size / own.size)
-            most = _MOST_STIFFNESS if name == "bending stiffness" else MOST
+            most = _MOST_OF.get(name, MOST)
             if not abs(converted) <= most:
-                raise ValueError(f"{must_be}, {_NO_MACHINE}")
+                beyond = f"at most {most:g} {DIMENSIONS[name].unit} is taken"
+                raise ValueError(f"{must_be}, {_NO_MACHINE}; {beyond}")
             return Measured(converted, name)
     raise ValueError(f"{must_be}, which is {_title(unit)}")
 

@@ -262,7 +262,8 @@ def _listed(
     """The cycles that do most damage, or are largest, and what the others come to."""
     counts, equivalent = cycles.cycle_counts, _equivalent(task, cycles)
     raised = _equivalent(task, cycles, required)
-    harm = np.zeros_like(counts) if per_cycle is None else per_cycle * counts
+    with np.errstate(over="ignore"):  # beyond the curve
+        harm = np.zeros_like(counts) if per_cycle is None else per_cycle * counts
     order = np.lexsort((-counts, -equivalent, -harm))
     kept, rest = order[:_MOST_CYCLES], order[_MOST_CYCLES:]
     return {

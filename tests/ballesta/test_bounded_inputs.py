@@ -87,6 +87,13 @@ def test_a_size_beyond_any_machine_is_refused(tmp_path, value):
     assert "beyond any machine" in refused(tmp_path, f"parts.rod.width={value}")
 
 
+def test_a_length_has_a_bound_of_its_own(tmp_path):
+    """5e14 mm between what holds a bar ended in a traceback, 1e14 mm in stresses of 6e19 MPa."""
+    told = refused(tmp_path, "parts.rod.column.out_of_plane=5e14 mm")
+    assert told.count("at most 1e+09 mm is taken") == 1
+    assert "at most 1e+09 mm is taken" in refused(tmp_path, "points.B=1e14, 0 mm")
+
+
 @pytest.mark.parametrize(
     ("change", "told"),
     [
