@@ -499,12 +499,12 @@ def even_columns(solutions: UnitSolutions) -> dict[str, int]:
     return found
 
 
-def bore_flexibility(solutions: UnitSolutions, name: str) -> float:
-    """Mean outward displacement of a bore over an even pressure in it and its radius, 1/MPa."""
+def bore_openings(solutions: UnitSolutions, name: str) -> FloatArray:
+    """Mean outward displacement of a bore over its radius (n_basis,), per unit of every load."""
     column = even_columns(solutions)[name]
-    # the work of 1/(pi R L) on its displacement is twice the mean of that
-    twice = solutions.loads[:, column] @ solutions.displacement[:, column] / solutions.mesh.share
-    return float(twice / 2 * np.pi * solutions.mesh.interfaces[name].length)
+    # the work of 1/(pi R L) on a displacement is twice its mean
+    twice = solutions.loads[:, column] @ solutions.displacement / solutions.mesh.share
+    return np.asarray(twice / (2 * solutions.mesh.interfaces[name].radius))
 
 
 def tilting_columns(solutions: UnitSolutions) -> IntArray:

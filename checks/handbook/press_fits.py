@@ -6,11 +6,16 @@ was larger than its hole by the interference s on diameter then fits: p R (b + l
 is its own model's, from the stress all round the bore: a displacement that closes has the mean
 hoop strain, so that u/R and (sigma_t - nu sigma_r)/E have one mean. For a ring up to Q R it
 is ((Q^2 + 1)/(Q^2 - 1) + nu)/E, (1 + nu)/E in an endless plate (docs/theory/press_fits.md).
+Loads that pass the bore and close it by R c in the mean add to the interference:
+p (b + l) = s/(2 R) + c. Even pressure q k of a pin in the bush is
+q on the bore by its radius; the bush hands on q + q [(nu - (k - 1)/(k + 1))/E - l]/(b + l).
 """
 
 from dataclasses import dataclass, replace
 from math import inf, pi
 from typing import Self
+
+from geometry.mesh import FloatArray
 
 MIDDLE, LEAST, LARGEST = 0.5, 0.0, 1.0  # share of the range of interferences
 
@@ -54,20 +59,32 @@ class PressFit:
         square = self.ratio**2
         return ((square + 1) / (square - 1) - self.poisson_ratio) / self.youngs_modulus
 
-    def pressure(self, lug: float) -> float:
-        """Pressure between bush and lug, MPa.
-
-        lug  1/MPa, mean outward displacement of the bore over pressure in it and radius
-        """
-        return self.interference / (2 * self.radius) / (self.flexibility + lug)
-
-    def force(self, lug: float, length: float) -> float:
-        """Coefficient, N, of a unit harmonic 0 of pressure, 1/(pi R L): as `fem.unit_loads` has it.
+    def closed(self, lug: float, others: FloatArray, even: FloatArray) -> float:
+        """Most that loads close the bore in the mean, over its radius; 0 where they never do.
 
         lug     as for `pressure`
-        length  mm, of the bore
+        others  (n,) mean outward displacement of the bore over its radius, by all other loads
+        even    (n,) MPa, even pressure of the bore's own pin, as on the bore
         """
-        return self.pressure(lug) * pi * self.radius * length
+        handed_on = self.poisson_ratio - (self.ratio - 1) / (self.ratio + 1)
+        opened = others + even * (lug - handed_on / self.youngs_modulus)
+        return max(0.0, -float(opened.min()))
+
+    def pressure(self, lug: float, closed: float = 0.0) -> float:
+        """Pressure between bush and lug, MPa.
+
+        lug     1/MPa, mean outward displacement of the bore over pressure in it and radius
+        closed  mean inward displacement of the bore by other loads, over its radius
+        """
+        return (self.interference / (2 * self.radius) + closed) / (self.flexibility + lug)
+
+    def force(self, lug: float, length: float, closed: float = 0.0) -> float:
+        """Coefficient, N, of a unit harmonic 0 of pressure, 1/(pi R L): as `fem.unit_loads` has it.
+
+        lug, closed  as for `pressure`
+        length       mm, of the bore
+        """
+        return self.pressure(lug, closed) * pi * self.radius * length
 
     def hoop(self, lug: float) -> float:
         """Compression around the bush at its inside, MPa, where it yields first.

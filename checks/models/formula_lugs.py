@@ -32,13 +32,16 @@ def bore_columns(
     rim: FloatArray,
     angles: FloatArray,
     thickness: float,
+    passing: tuple[Sequence[int], FloatArray] | None = None,
 ) -> tuple[list[int], list[int]]:
     """Columns of what acts in a bore: the pin's pressure, and a bush that is pressed in.
 
     rim        (k, 3, 8) xx, yy, xy at angles (k,), rad, per unit of the patterns, MPa
     thickness  mm, of the lug
+    passing    columns of what passes the bore, and xx, yy, xy (k, 3, m) of them; None: nothing
 
-    Returns their numbers, and which of the patterns each is of.
+    Returns their numbers, and which of the patterns each is of. The bush presses as it does at the
+    position whose loads close the bore most.
     """
     wrench = loads.wrenches[name][:, [0, 1, 5]]
     columns = points.columns(bearing_coefficients(wrench, inward=False).T, bearing_units(name))
@@ -46,13 +49,28 @@ def bore_columns(
     fit = loads.press_fits.get(name)
     if fit is None:
         return columns, patterns
-    even = PATTERNS.index("cos 0")
-    hoop, *_ = polar(rim[:, :, even], angles)
-    per_pressure = pi * fit.radius * thickness * float(hoop.mean())
-    material = part.material
-    lug = (per_pressure + material.poisson_ratio) / material.youngs_modulus
-    force = np.full(len(wrench), fit.force(lug, thickness))
+    even, material = PATTERNS.index("cos 0"), part.material
+    hoop, radial, _ = _means(rim, angles)
+    area = pi * fit.radius * thickness
+    lug = (area * float(hoop[even]) + material.poisson_ratio) / material.youngs_modulus
+    strain = (hoop - material.poisson_ratio * radial) / material.youngs_modulus
+    strain[even] = 0.0
+    own = points.coefficients(columns)
+    opened = strain @ own
+    if passing is not None:
+        past, stress = passing
+        hoop, *_ = _means(stress, angles)
+        opened = opened + hoop @ points.coefficients(past) / material.youngs_modulus
+    closed = fit.closed(lug, opened, own[even] / area)
+    force = np.full(len(wrench), fit.force(lug, thickness, closed))
     return [*columns, points.column(force, pressed_unit(name))], [*patterns, even]
+
+
+def _means(plane: FloatArray, angles: FloatArray) -> FloatArray:
+    """Means (3, m) of hoop, radial and shear stress of xx, yy, xy (k, 3, m) at angles (k,)."""
+    count = plane.shape[2]
+    every = polar(plane.transpose(0, 2, 1).reshape(-1, 3), np.repeat(angles, count))
+    return np.array([one.reshape(-1, count).mean(axis=0) for one in every])
 
 
 def add_bore(

@@ -45,6 +45,10 @@ class Points:
         """Numbers of new columns with coefficients (k, n) and k names."""
         return [self.column(row, name) for row, name in zip(values, names, strict=True)]
 
+    def coefficients(self, columns: Sequence[int]) -> FloatArray:
+        """Coefficients (k, n) of columns."""
+        return np.array([self._rows[k] for k in columns]).reshape(-1, self._count)
+
     def add(
         self,
         place: str,

@@ -23,7 +23,7 @@ from fem.singularity import (
 )
 from fem.stress_history import StressHistory
 from fem.unit_loads import ACCELERATIONS, IN_PLANE, inertia_of, resultants
-from fem.unit_solutions import UnitSolutions, bore_flexibility, even_columns
+from fem.unit_solutions import UnitSolutions, bore_openings, even_columns
 from geometry.mesh import SYMMETRY, FloatArray, IntArray, MassProperties
 from geometry.sizing import element_sizes
 
@@ -297,16 +297,22 @@ def coefficients_of(
     """Coefficients (n_basis, n) of the unit loads, what inertia was added (n, 3), what lasts.
 
     What lasts, in both, is the even pressure, N of its unit load by bore, of bushes that are
-    pressed in: as the interference has it with how much this mesh's bore gives way.
+    pressed in: as the interference has it with how much this mesh's bore gives way, and at the
+    position whose loads close the bore most.
     """
     coefficients, added = solutions.coefficients(
         loads.wrenches, loads.accelerations, loads.reaches, loads.tilt_held_at
     )
     columns, lasting = even_columns(solutions), {}
     for bore, fit in loads.press_fits.items():
-        length = solutions.mesh.interfaces[bore].length
-        lasting[bore] = fit.force(bore_flexibility(solutions, bore), length)
-        coefficients[columns[bore]] += lasting[bore]
+        interface, openings = solutions.mesh.interfaces[bore], bore_openings(solutions, bore)
+        own = columns[bore]
+        area = np.pi * interface.radius * interface.length
+        lug, openings[own] = float(openings[own]) * area, 0.0
+        closed = fit.closed(lug, openings @ coefficients, coefficients[own] / area)
+        lasting[bore] = fit.force(lug, interface.length, closed)
+    for bore, force in lasting.items():
+        coefficients[columns[bore]] += force
     return coefficients, added, lasting
 
 

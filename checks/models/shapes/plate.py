@@ -132,7 +132,10 @@ def _add_bore(part: Part, points: Points, forces: PlateForces, bore: PlateBore) 
     angles = _from(mean)
     passing = _passing(forces, section, bore, 1.0, angles)
     lug = _lug(part, shape, bore, mean, angles, round_end=False)
-    columns = bore_columns(points, part, forces.loads, bore.name, lug[:, _PLANE], angles, thickness)
+    columns = bore_columns(
+        points, part, forces.loads, bore.name, lug[:, _PLANE], angles, thickness,
+        (forces.columns, passing[:, _PLANE]),
+    )  # fmt: skip
     _add_rim(points, forces, bore, columns, angles, lug, passing)
     if abs(inner) > _STRAIGHT:
         angles = _from(inner)

@@ -5,6 +5,7 @@ import re
 from dataclasses import replace
 from io import StringIO
 from math import inf
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -34,6 +35,7 @@ from reports.what_if import what_if
 from ...small_machine import MACHINE, PLATE, machine, solved
 
 FORMULA = Effort("formula")
+DESIGNS = Path(__file__).parents[3] / "designs"
 BUSH = 'length = "8 mm", allowable = "40 MPa"'
 STEEL = f'{BUSH}, material = "S355"'
 FIT = f'{STEEL}, fit = "0.02 .. 0.04 mm"'
@@ -71,10 +73,12 @@ def refused(folder, *args, **changes):
     return str(error.value)
 
 
-def two_rings(outer, fit):
+def two_rings(outer, fit, inside=0.0):
     """Pressure, and closing on diameter, of two of Lame's rings: s = A - B/r^2 across, A + B/r^2.
 
     All four constants and the pressure in one system: tractions at three radii, and what closes.
+
+    inside  MPa, pressure in the bush
     """
     (a, b, c), (young, nu) = (fit.radius / fit.ratio, fit.radius, outer * fit.radius), (210e3, 0.3)
 
@@ -88,7 +92,7 @@ def two_rings(outer, fit):
     rows[2, 2:4], rows[2, 4] = (1, -1 / b**2), 1
     rows[3, 2:4] = 1, -1 / c**2
     rows[4, :2], rows[4, 2:4] = -moved(b, *own), moved(b, young, nu)
-    found = np.linalg.solve(rows, [0, 0, 0, 0, fit.interference / 2])
+    found = np.linalg.solve(rows, [-inside, 0, 0, 0, fit.interference / 2])
     return found[4], -2 * moved(a, *own) @ found[:2]
 
 
@@ -101,6 +105,21 @@ def test_two_rings_hold_each_other_as_lame_says(outer, ratio, share):
     lug = ring_flexibility(inf if outer == 1e9 else outer, 210e3, 0.3)
     assert_allclose(fit.pressure(lug), pressure, rtol=1e-12)
     assert_allclose(fit.closing(lug), closing, rtol=1e-11)
+
+
+@pytest.mark.parametrize("outer", [1.3, 2.0])
+@pytest.mark.parametrize("ratio", [1.05, 1.2, 3.0])
+@pytest.mark.parametrize("even", [1.0, -7.0])
+def test_pressure_in_a_bush_reaches_the_lug_as_lame_says(outer, ratio, even):
+    """Pressure in the bush, even on the bore by its radius, and the bush's own are the rings'."""
+    fit = PressFit(0.02, 0.04, 7.5, ratio, 90e3, 0.34)
+    lug = ring_flexibility(outer, 210e3, 0.3)
+    both, _ = two_rings(outer, fit, even * ratio)
+    closed = fit.closed(lug, np.zeros(1), np.array([even]))
+    if closed:  # an opening is left out
+        assert_allclose(even + fit.pressure(lug, closed), both, rtol=1e-12)
+    else:
+        assert even + fit.pressure(lug) > both
 
 
 @pytest.mark.parametrize(
@@ -164,6 +183,44 @@ def test_formula_and_solid_agree_on_pressure_and_stress_and_the_ring_does_not(tm
     assert np.sqrt(hoop**2 + fit.pressure(ring) ** 2 + hoop * fit.pressure(ring)) < (
         0.95 * solid[bore].max()
     )
+
+
+def test_compression_past_a_bore_makes_its_bush_press_more():
+    """Uniform compression closes a hole by s/E of its radius in the mean.
+
+    300 MPa in the gross section of the pumpjack's beam, an interference of a thousandth.
+    """
+    design = read_design(DESIGNS / "gallery" / "pumpjack.toml", [])
+    part = design.parts["beam"]
+    loaded = LoadedPart.of(design, part, solved(design))
+    level = first_level(loaded, Models())
+    bore = level.solutions.mesh.interfaces["S"]
+    wrenches = {name: np.zeros((3, 6)) for name in loaded.loads.wrenches}
+    wrenches["H"][:, 0] = 300 * 398 * 40 * np.array([0, 1, 0.5])
+    wrenches["T"][:, 0] = -wrenches["H"][:, 0]
+    fit = PressFit(0.12, 0.12, 60.0, 2.0, 206e3, 0.3)
+    pressures = []
+    for sign in (1, -1):  # pulled past the bore, the bush presses as with no load
+        loads = replace(
+            loaded.loads,
+            wrenches={name: sign * rows for name, rows in wrenches.items()},
+            accelerations=np.zeros((3, 4)),
+            cycles={"press": slice(0, 3)},
+            doubts=(),
+            press_fits={"S": fit},
+        )
+        model = shapes.model_of(part, loads)
+        (column,) = press_columns(model)
+        solid = level_on(loaded.under(loads), level.solutions, 0.7, 100.0).lasting["S"]
+        found = np.array([model.history.coefficients[column, 0], solid])
+        pressures.append(found / (np.pi * bore.radius * bore.length))
+    closed, still = pressures
+    assert_allclose(closed[0], closed[1], rtol=0.06)
+    assert closed.min() > 1.5 * still.max()
+    assert_allclose(still[0], still[1], rtol=0.01)
+    lug = fit.interference / 120 / still - fit.flexibility
+    assert_allclose(closed, (fit.interference / 120 + 300 / 206e3) / (fit.flexibility + lug),
+                    rtol=0.1)  # fmt: skip
 
 
 def test_what_is_pressed_in_lasts_as_a_mean_stress(tmp_path):
