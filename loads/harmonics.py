@@ -138,6 +138,11 @@ def cycle_response(
         shape = found.strains[rows, :, columns[:, k]] * signs[:, k, None]
         values = np.einsum("nr,nr->n", shape, strains)
         frequency = found.frequencies[rows, columns[:, k]]
+        if not np.isfinite(frequency).all():
+            raise LinkageError(
+                f"mode {k + 1} of the linkage is too stiff beside the softest one to be followed "
+                f"through the cycle {cycle.name!r}"
+            )
         if back[k] == 0.0 and np.abs(values).max() > 1e-3 * largest:
             raise LinkageError(
                 f"mode {k + 1} of the linkage comes back as another one after the cycle "

@@ -254,5 +254,16 @@ def test_modes_that_cannot_be_followed_leave_the_cycle_unasked_and_the_check_goe
     assert told.endswith("vibration is not put on its loads")
 
 
+def test_a_mode_that_is_lost_beside_a_far_softer_one_leaves_the_cycle_unasked(recwarn):
+    """A hammer of 8e8 t: an infinite frequency went into its response as a number."""
+    overrides = ["bodies.hammer.mass=8e11 kg", "cycles.at_4.positions=73"]
+    design = read_design(DESIGNS / "quick_return.toml", overrides)
+    design = replace(design, cycles={"at_4": design.cycles["at_4"]})
+    found = vibration_of(design, solve_cycles(design, {}))
+    told = dict(assumptions_of(design, found))["cycles.at_4"]
+    assert "is too stiff beside the softest one to be followed through the cycle 'at_4'" in told
+    assert not recwarn
+
+
 def test_the_damping_of_a_design_without_dynamics_can_be_set():
     assert hammer("at_3", overrides=["dynamics.damping=0.05"]).dynamics.damping == 0.05
