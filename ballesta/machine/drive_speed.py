@@ -18,7 +18,7 @@ import loads
 from ballesta.machine.shown_loads import EVEN, shown_cycle
 from checks.design.data import Design
 from checks.result.verdict import Gate
-from checks.result.words import number
+from checks.result.words import SURGING, UNEVEN, number
 from geometry.mesh import FloatArray
 from reports.loads_figures import DriveSummary
 
@@ -183,11 +183,11 @@ def speed_doubts(design: Design, solved: Solved, found: Mapping[str, Evenness]) 
 
     return [
         LoadPair(
-            f"speed up to {100 * half:.2g} % slower or faster than its mean",
+            f"speed up to {100 * half:.2g} % {UNEVEN}",
             (ends(-1.0, surging=False), ends(1.0, surging=False)),
         ),
         LoadPair(
-            "changes of speed between its slowest and fastest",
+            SURGING,
             (ends(-1.0, surging=True), ends(1.0, surging=True)),
         ),
     ]

@@ -14,6 +14,7 @@ import loads
 from checks.design.data import Cycle, Design, Part
 from checks.design.model import StackEntry
 from checks.handbook.press_fits import LARGEST, LEAST, PressFit
+from checks.result.words import INTERFERENCE
 from geometry.mesh import FloatArray, IntArray, MassProperties
 
 _LARGEST = 1e33  # N, N mm; squares and cubes of what is larger leave the range of numbers
@@ -310,7 +311,7 @@ def _of_press_fits(loads: PartLoads) -> list[PartDoubt]:
         )
         for share in (LEAST, LARGEST)
     )
-    return [PartDoubt(f"interference of {' and of '.join(ranges)}", tuple(ends))] if ranges else []
+    return [PartDoubt(f"{INTERFERENCE} {' and of '.join(ranges)}", tuple(ends))] if ranges else []
 
 
 def _own_swing(part: Part, placing: Placing, runs: Runs, factor: float) -> dict[float, FloatArray]:

@@ -21,6 +21,8 @@ from checks.result.verdict import (
     Way,
 )
 from checks.result.words import (
+    INTERFERENCE,
+    SPEED_DOUBTS,
     check_titles,
     gate_sentence,
     need_text,
@@ -136,6 +138,7 @@ def _of_check(
             *_by_clearance(result, check, settles, part),
             *_by_arc(result, check, settles, part),
             *_by_bush(check, settles),
+            *_by_interference(check, settles),
             *_by_edges(result, check, settles, part),
             *_by_mesh(result, check, settles, part),
             *_by_model(result, check, settles, part),
@@ -194,19 +197,35 @@ def improve_command(result: DesignResult) -> str:
 
 def _by_drive(result: DesignResult, check: Check, settles: str) -> Iterator[Way]:
     """Where the load bars of a drive of which nothing is stated hold the limit."""
-    if not check.loads and not check.loads_below:
-        return
     if "drive" not in {key for key, _ in result.assumed}:
         return
-    known = replace(
-        check, model=check.model - check.loads, model_below=check.below - check.loads_below
-    )
+    known = _without(check, [one for one in check.doubts if one[0].endswith(SPEED_DOUBTS)])
     if known.status is not Status.UNDECIDED:
         yield Way(
             settles,
             f"state how the drive holds its speed: without its bar it is a {known.status}",
             _with(result, 'drive.control="constant"'),
             _again(result),
+        )
+
+
+def _without(check: Check, doubts: Iterable[tuple[str, float, float]]) -> Check:
+    """The check without the load bars of some of its doubts."""
+    model, below = check.model, check.below
+    for _, more, less in doubts:
+        model, below = model - more, below - less
+    return replace(check, model=max(model, 0.0), model_below=max(below, 0.0))
+
+
+def _by_interference(check: Check, settles: str) -> Iterator[Way]:
+    """Where the range of the interference of bushes that are pressed in holds the limit."""
+    doubts = [one for one in check.doubts if one[0].startswith(INTERFERENCE)]
+    known = _without(check, doubts)
+    if doubts and known.status is not Status.UNDECIDED:
+        yield Way(
+            settles,
+            f"state a narrower range (bush.fit) of the {doubts[0][0]}: at its middle it is a "
+            f"{known.status}",
         )
 
 

@@ -113,14 +113,29 @@ def test_an_arc_from_which_it_passes_is_a_key_of_the_part():
 
 
 def test_a_drive_counts_where_its_load_bar_alone_holds_the_limit():
-    loads = replace(BY_MODEL, loads=15.0, loads_below=15.0, model_below=20.0)
+    """A doubt of another kind stays: only the drive's own goes where the drive is stated."""
+    speed = ("speed up to 5 % slower or faster than its mean", 9.0, 9.0)
+    surge = ("changes of speed between its slowest and fastest", 6.0, 6.0)
+    loads = replace(BY_MODEL, loads=15.0, loads_below=15.0, model_below=20.0, doubts=(speed, surge))
     silent = design(part(checks=[loads]), assumed=[("drive", "none is stated")])
     way = only(silent)
     assert way.text.endswith("without its bar it is a pass")
     assert way.command.endswith("--set 'drive.control=\"constant\"'")
-    little = design(part(checks=[replace(loads, loads=2.0)]), assumed=silent.assumed)
+    other = replace(loads, doubts=(speed, ("press: stop from x = 1 to 3 mm", 6.0, 6.0)))
+    little = design(part(checks=[other]), assumed=silent.assumed)
     assert not only(little).command
     assert not only(design(part(checks=[loads]))).command  # the drive is stated
+
+
+def test_a_range_of_interference_counts_where_it_alone_holds_the_limit():
+    bush = ("interference of the bush in first, 0.02 to 0.04 mm", 15.0, 15.0)
+    loads = replace(BY_MODEL, loads=15.0, loads_below=15.0, model_below=20.0, doubts=(bush,))
+    assert only(design(part(checks=[loads]))).text == (
+        "state a narrower range (bush.fit) of the interference of the bush in first, 0.02 to "
+        "0.04 mm: at its middle it is a pass"
+    )
+    little = replace(loads, doubts=((bush[0], 2.0, 2.0),))
+    assert "nothing here settles it" in only(design(part(checks=[little]))).text
 
 
 def test_forks_count_where_the_linkage_passes_with_stiff_ones():
