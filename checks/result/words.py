@@ -15,10 +15,8 @@ _TURNING = {0x061C, 0x200E, 0x200F, *range(0x202A, 0x202F), *range(0x2066, 0x206
 UNKNOWN_BAR = "no error bar: "  # in a check's note, before why it has none
 DOUBTED = "loads not known for certain"  # begins the part of a note that tells load bars
 # words of doubts about loads
-UNEVEN, SURGING = (
-    "slower or faster than its mean",
-    "changes of speed between its slowest and fastest",
-)
+UNEVEN = "slower or faster than its mean"
+SURGING = "changes of speed between its slowest and fastest"
 SPEED_DOUBTS = (UNEVEN, SURGING)  # end those of a drive that does not run evenly
 INTERFERENCE = "interference of"  # begins those of bushes that are pressed in
 _NEAR = 0.05  # of the required safety, within which four digits tell the safety
