@@ -35,7 +35,7 @@ from checks.design.errors import DesignError
 from checks.handbook.fits import DEFAULT, clearances_of
 from checks.part.part_loads import Doubt, Runs, shown_name
 from checks.result.verdict import Gate
-from checks.result.words import number
+from checks.result.words import END_OF_TRAVEL, number
 from checks.store.store import Store
 from checks.stress.kept_models import Models
 from geometry.mesh import Interface
@@ -309,7 +309,7 @@ def stop_doubts(design: Design, solved: Solved) -> list[LoadPair]:
             _, unit = shown_name(design.cycles[name])
             size = float(np.degrees(stop.tolerance)) if unit == "deg" else stop.tolerance
             first, second = ({**solved, name: end} for end in moved if end is not None)
-            words = f"{name}: end of its travel off by up to {size:.3g} {unit}"
+            words = f"{name}: {END_OF_TRAVEL} {size:.3g} {unit}"
             found.append(LoadPair(words, (first, second), dead_centre_gate(name)))
     return found
 

@@ -21,6 +21,7 @@ from checks.result.verdict import (
     Way,
 )
 from checks.result.words import (
+    END_OF_TRAVEL,
     INTERFERENCE,
     SPEED_DOUBTS,
     check_titles,
@@ -138,7 +139,7 @@ def _of_check(
             *_by_clearance(result, check, settles, part),
             *_by_arc(result, check, settles, part),
             *_by_bush(check, settles),
-            *_by_interference(check, settles),
+            *_by_range(check, settles),
             *_by_edges(result, check, settles, part),
             *_by_mesh(result, check, settles, part),
             *_by_model(result, check, settles, part),
@@ -217,16 +218,20 @@ def _without(check: Check, doubts: Iterable[tuple[str, float, float]]) -> Check:
     return replace(check, model=max(model, 0.0), model_below=max(below, 0.0))
 
 
-def _by_interference(check: Check, settles: str) -> Iterator[Way]:
-    """Where the range of the interference of bushes that are pressed in holds the limit."""
-    doubts = [one for one in check.doubts if one[0].startswith(INTERFERENCE)]
-    known = _without(check, doubts)
-    if doubts and known.status is not Status.UNDECIDED:
-        yield Way(
-            settles,
-            f"state a narrower range (bush.fit) of the {doubts[0][0]}: at its middle it is a "
-            f"{known.status}",
-        )
+def _by_range(check: Check, settles: str) -> Iterator[Way]:
+    """Where a range that the design states holds the limit: of a bush's interference, of a stop."""
+    for doubt in check.doubts:
+        words = doubt[0]
+        cycle, stop, _ = words.partition(f": {END_OF_TRAVEL}")
+        if words.startswith(INTERFERENCE):
+            text = f"state a narrower range (bush.fit) of the {words}: at its middle it is a "
+        elif stop:
+            text = f"state a smaller cycles.{cycle}.stop.tolerance: at the stop itself it is a "
+        else:
+            continue
+        known = _without(check, [doubt])
+        if known.status is not Status.UNDECIDED:
+            yield Way(settles, f"{text}{known.status}")
 
 
 def _by_forks(result: DesignResult, check: Check, settles: str) -> Iterator[Way]:

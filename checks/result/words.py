@@ -19,6 +19,7 @@ UNEVEN = "slower or faster than its mean"
 SURGING = "changes of speed between its slowest and fastest"
 SPEED_DOUBTS = (UNEVEN, SURGING)  # end those of a drive that does not run evenly
 INTERFERENCE = "interference of"  # begins those of bushes that are pressed in
+END_OF_TRAVEL = "end of its travel off by up to"  # in that of a stop, behind the cycle's name
 _NEAR = 0.05  # of the required safety, within which four digits tell the safety
 _LONGEST_UTILISATION = 1e6  # that is written with all its digits
 

@@ -127,12 +127,16 @@ def test_a_drive_counts_where_its_load_bar_alone_holds_the_limit():
     assert not only(design(part(checks=[loads]))).command  # the drive is stated
 
 
-def test_a_range_of_interference_counts_where_it_alone_holds_the_limit():
+def test_a_range_that_is_stated_counts_where_it_alone_holds_the_limit():
     bush = ("interference of the bush in first, 0.02 to 0.04 mm", 15.0, 15.0)
     loads = replace(BY_MODEL, loads=15.0, loads_below=15.0, model_below=20.0, doubts=(bush,))
     assert only(design(part(checks=[loads]))).text == (
         "state a narrower range (bush.fit) of the interference of the bush in first, 0.02 to "
         "0.04 mm: at its middle it is a pass"
+    )
+    stop = replace(loads, doubts=(("press: end of its travel off by up to 0.3 mm", 15.0, 15.0),))
+    assert only(design(part(checks=[stop]))).text == (
+        "state a smaller cycles.press.stop.tolerance: at the stop itself it is a pass"
     )
     little = replace(loads, doubts=((bush[0], 2.0, 2.0),))
     assert "nothing here settles it" in only(design(part(checks=[little]))).text
