@@ -58,7 +58,7 @@ def not_checked(loaded: LoadedPart) -> Iterator[str]:
                 f"the bush of {fit.pin} in {bore} is pressed in with {fit.least:.3g} to "
                 f"{fit.largest:.3g} mm of interference on diameter: the even pressure that this "
                 "leaves between elastic rings acts for good, in static checks and as a mean "
-                "stress, as large whatever the loads do to the bore; how much of it is left at "
+                "stress, and more where the loads close the bore; how much of it is left at "
                 "working temperature, and what holds the bush in place, is not checked"
             )
             own = part.material

@@ -15,6 +15,8 @@ from dataclasses import dataclass, replace
 from math import inf, pi
 from typing import Self
 
+import numpy as np
+
 from geometry.mesh import FloatArray
 
 MIDDLE, LEAST, LARGEST = 0.5, 0.0, 1.0  # share of the range of interferences
@@ -59,8 +61,15 @@ class PressFit:
         square = self.ratio**2
         return ((square + 1) / (square - 1) - self.poisson_ratio) / self.youngs_modulus
 
-    def closed(self, lug: float, others: FloatArray, even: FloatArray) -> float:
-        """Most that loads close the bore in the mean, over its radius; 0 where they never do.
+    def pressure(self, lug: float) -> float:
+        """Pressure between bush and lug, MPa.
+
+        lug  1/MPa, mean outward displacement of the bore over pressure in it and radius
+        """
+        return self.interference / (2 * self.radius) / (self.flexibility + lug)
+
+    def pressures(self, lug: float, others: FloatArray, even: FloatArray) -> FloatArray:
+        """Pressure (n,) between bush and lug, MPa, more where the loads close the bore.
 
         lug     as for `pressure`
         others  (n,) mean outward displacement of the bore over its radius, by all other loads
@@ -68,23 +77,15 @@ class PressFit:
         """
         handed_on = self.poisson_ratio - (self.ratio - 1) / (self.ratio + 1)
         opened = others + even * (lug - handed_on / self.youngs_modulus)
-        return max(0.0, -float(opened.min()))
+        closed = np.maximum(-opened, 0.0)
+        return np.asarray(self.pressure(lug) + closed / (self.flexibility + lug))
 
-    def pressure(self, lug: float, closed: float = 0.0) -> float:
-        """Pressure between bush and lug, MPa.
+    def per_pressure(self, length: float) -> float:
+        """Coefficient, N per MPa, of a unit harmonic 0, 1/(pi R L): as `fem.unit_loads` has it.
 
-        lug     1/MPa, mean outward displacement of the bore over pressure in it and radius
-        closed  mean inward displacement of the bore by other loads, over its radius
+        length  mm, of the bore
         """
-        return (self.interference / (2 * self.radius) + closed) / (self.flexibility + lug)
-
-    def force(self, lug: float, length: float, closed: float = 0.0) -> float:
-        """Coefficient, N, of a unit harmonic 0 of pressure, 1/(pi R L): as `fem.unit_loads` has it.
-
-        lug, closed  as for `pressure`
-        length       mm, of the bore
-        """
-        return self.pressure(lug, closed) * pi * self.radius * length
+        return pi * self.radius * length
 
     def hoop(self, lug: float) -> float:
         """Compression around the bush at its inside, MPa, where it yields first.

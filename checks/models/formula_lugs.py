@@ -1,7 +1,6 @@
 """Points round a bore and on the outline of its lug, by the bore's wrench and a bush in it."""
 
 from collections.abc import Sequence
-from math import pi
 
 import numpy as np
 
@@ -40,8 +39,8 @@ def bore_columns(
     thickness  mm, of the lug
     passing    columns of what passes the bore, and xx, yy, xy (k, 3, m) of them; None: nothing
 
-    Returns their numbers, and which of the patterns each is of. The bush presses as it does at the
-    position whose loads close the bore most.
+    Returns their numbers, and which of the patterns each is of. The bush presses more where the
+    loads close the bore.
     """
     wrench = loads.wrenches[name][:, [0, 1, 5]]
     columns = points.columns(bearing_coefficients(wrench, inward=False).T, bearing_units(name))
@@ -51,8 +50,8 @@ def bore_columns(
         return columns, patterns
     even, material = PATTERNS.index("cos 0"), part.material
     hoop, radial, _ = _means(rim, angles)
-    area = pi * fit.radius * thickness
-    lug = (area * float(hoop[even]) + material.poisson_ratio) / material.youngs_modulus
+    per_pressure = fit.per_pressure(thickness)
+    lug = (per_pressure * float(hoop[even]) + material.poisson_ratio) / material.youngs_modulus
     strain = (hoop - material.poisson_ratio * radial) / material.youngs_modulus
     strain[even] = 0.0
     own = points.coefficients(columns)
@@ -61,8 +60,7 @@ def bore_columns(
         past, stress = passing
         hoop, *_ = _means(stress, angles)
         opened = opened + hoop @ points.coefficients(past) / material.youngs_modulus
-    closed = fit.closed(lug, opened, own[even] / area)
-    force = np.full(len(wrench), fit.force(lug, thickness, closed))
+    force = per_pressure * fit.pressures(lug, opened, own[even] / per_pressure)
     return [*columns, points.column(force, pressed_unit(name))], [*patterns, even]
 
 

@@ -110,10 +110,15 @@ def ways_out(result: DesignResult) -> list[Way]:
 
 
 def _merged(ways: Iterable[Way]) -> list[Way]:
-    """Ways of one command, or of one text without any, as one, in their order."""
+    """Ways of one command, or of one text without any, as one, in their order.
+
+    Those that tell different verdicts stay apart.
+    """
     by_command: dict[tuple[str, str], Way] = {}
     for way in ways:
-        key = (way.command, "" if way.command else way.text)
+        told = way.text.rpartition(" ")[2]
+        verdict = told if told in {str(status) for status in Status} else ""
+        key = (way.command, verdict if way.command else way.text)
         known = by_command.get(key)
         if known is None:
             by_command[key] = way
@@ -131,7 +136,7 @@ def _of_check(
         yield Way(told, f"{LEAST}, error bars included", improve_command(result))
     if check.status is not Status.UNDECIDED:
         return
-    ways = [*_by_drive(result, check, settles)]
+    ways = [*_by_drive(result, check, settles), *_by_range(check, settles)]
     if part is None:
         ways += _by_forks(result, check, settles)
     else:
@@ -139,7 +144,6 @@ def _of_check(
             *_by_clearance(result, check, settles, part),
             *_by_arc(result, check, settles, part),
             *_by_bush(check, settles),
-            *_by_range(check, settles),
             *_by_edges(result, check, settles, part),
             *_by_mesh(result, check, settles, part),
             *_by_model(result, check, settles, part),
@@ -210,8 +214,10 @@ def _by_drive(result: DesignResult, check: Check, settles: str) -> Iterator[Way]
         )
 
 
-def _without(check: Check, doubts: Iterable[tuple[str, float, float]]) -> Check:
-    """The check without the load bars of some of its doubts."""
+def _without(check: Check, doubts: Sequence[tuple[str, float, float]]) -> Check:
+    """The check without the load bars of some of its doubts; as it is where one has no end."""
+    if not all(isfinite(more) and isfinite(less) for _, more, less in doubts):
+        return check
     model, below = check.model, check.below
     for _, more, less in doubts:
         model, below = model - more, below - less

@@ -156,8 +156,9 @@ def direct_under(
         wrenches = {name: wrench[position] for name, wrench in loads.wrenches.items()}
         solved = level.solved_bores
         moved = direct_displacement(
-            level.solutions, wrenches, state, missing, solved, level.lasting
-        )
+            level.solutions, wrenches, state, missing, solved,
+            {bore: float(force[position]) for bore, force in level.lasting.items()},
+        )  # fmt: skip
         found = level.stress_of(moved)
         if level.contact is not None:  # short waves move nothing
             short = level.contact.short_waves
@@ -186,7 +187,7 @@ class RaisedInBores:
         """Stress (n, 6, n_arcs) in the bores, as `direct_under`, MPa."""
         points, solutions = level.in_bores, level.solutions
         tilting = tilting_columns(solutions)
-        staying = level.lasting_state.copy()
+        staying = level.lasting_states[:, position].copy()
         staying[tilting] = level.coefficients[tilting, position]
         stays = level.history.basis[points] @ staying
         stress = direct_under(loads, level, position, arcs)[points]

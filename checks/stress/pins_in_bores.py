@@ -127,12 +127,12 @@ class PinnedBores:
 
     solutions  of the part, under assumed pressures
     fits       bore -> fit of its pin
-    lasting    bore -> N of its even pressure that is no pin's
+    lasting    bore -> (n,) N of its even pressure that is no pin's
     """
 
     solutions: UnitSolutions
     fits: Mapping[str, Fit]
-    lasting: Mapping[str, float] = field(default_factory=dict)
+    lasting: Mapping[str, FloatArray] = field(default_factory=dict)
 
     @cached_property
     def harmonics(self) -> list[BoreHarmonics]:

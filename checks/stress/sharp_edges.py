@@ -48,14 +48,14 @@ class _OnSolid(Stressed):
         return self.solid.solved_bores
 
     @property
-    def lasting(self) -> Mapping[str, float]:
-        """Even pressure of bushes that are pressed in, N by bore."""
+    def lasting(self) -> Mapping[str, FloatArray]:
+        """Even pressure (n,) of bushes that are pressed in, N by bore."""
         return self.solid.lasting
 
     @property
-    def lasting_state(self) -> FloatArray:
-        """Coefficients (n_basis,) of what these make."""
-        return self.solid.lasting_state
+    def lasting_states(self) -> FloatArray:
+        """Coefficients (n_basis, n) of what these make."""
+        return self.solid.lasting_states
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

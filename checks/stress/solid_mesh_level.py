@@ -39,7 +39,7 @@ class Level(Stressed):
     added   (n, 3) rigid-body acceleration field that balances foreign mass properties
     left_out  (k,) surface points whose stress counts nothing: at sharp edges judged apart
     contact   of pins whose fit is stated; `solutions` and the history are then those with it
-    lasting   bore -> N of its even pressure that a bush pressed in makes
+    lasting   bore -> (n,) N of its even pressure that a bush pressed in makes
     """
 
     fineness: float
@@ -47,12 +47,12 @@ class Level(Stressed):
     added: FloatArray
     left_out: IntArray = field(default_factory=lambda: np.array([], dtype=np.int64))
     contact: Contact | None = None
-    lasting: Mapping[str, float] = field(default_factory=dict)
+    lasting: Mapping[str, FloatArray] = field(default_factory=dict)
 
     @cached_property
-    def lasting_state(self) -> FloatArray:
-        """Coefficients (n_basis,) of what bushes that are pressed in make."""
-        state = np.zeros(len(self.coefficients))
+    def lasting_states(self) -> FloatArray:
+        """Coefficients (n_basis, n) of what bushes that are pressed in make."""
+        state = np.zeros_like(self.coefficients)
         columns = even_columns(self.solutions)
         for bore, force in self.lasting.items():
             state[columns[bore]] = force
@@ -293,12 +293,12 @@ def solve_level(
 
 def coefficients_of(
     solutions: UnitSolutions, loads: PartLoads
-) -> tuple[FloatArray, FloatArray, dict[str, float]]:
+) -> tuple[FloatArray, FloatArray, dict[str, FloatArray]]:
     """Coefficients (n_basis, n) of the unit loads, what inertia was added (n, 3), what lasts.
 
-    What lasts, in both, is the even pressure, N of its unit load by bore, of bushes that are
-    pressed in: as the interference has it with how much this mesh's bore gives way, and at the
-    position whose loads close the bore most.
+    What lasts, in both, is the even pressure (n,), N of its unit load by bore, of bushes that are
+    pressed in: as the interference has it with how much this mesh's bore gives way, and more where
+    the loads close the bore.
     """
     coefficients, added = solutions.coefficients(
         loads.wrenches, loads.accelerations, loads.reaches, loads.tilt_held_at
@@ -307,10 +307,10 @@ def coefficients_of(
     for bore, fit in loads.press_fits.items():
         interface, openings = solutions.mesh.interfaces[bore], bore_openings(solutions, bore)
         own = columns[bore]
-        area = np.pi * interface.radius * interface.length
-        lug, openings[own] = float(openings[own]) * area, 0.0
-        closed = fit.closed(lug, openings @ coefficients, coefficients[own] / area)
-        lasting[bore] = fit.force(lug, interface.length, closed)
+        per_pressure = fit.per_pressure(interface.length)
+        lug, openings[own] = float(openings[own]) * per_pressure, 0.0
+        even = coefficients[own] / per_pressure
+        lasting[bore] = per_pressure * fit.pressures(lug, openings @ coefficients, even)
     for bore, force in lasting.items():
         coefficients[columns[bore]] += force
     return coefficients, added, lasting

@@ -186,8 +186,8 @@ class PartContact:
     coefficients  (n_basis, n_positions) of the part's unit loads, with any pressure in the bores
     pins          bore -> its pin
     finer         times as many hats as Persson's arc asks for
-    lasting       bore -> N of its even pressure that is no pin's but a pressed bush's: it is in the
-                  stress and moves no gap between bush and pin
+    lasting       bore -> (n_positions,) N of its even pressure that is no pin's but a pressed
+                  bush's: it is in the stress and moves no gap between bush and pin
 
     Raises ContactError if a pin floats at all positions, ValueError without bores.
     """
@@ -198,7 +198,7 @@ class PartContact:
         coefficients: FloatArray,
         pins: Mapping[str, FittedPin],
         finer: int = 1,
-        lasting: Mapping[str, float] | None = None,
+        lasting: Mapping[str, FloatArray] | None = None,
     ) -> None:
         if not harmonics:
             raise ValueError("contact needs at least one pin in a bore")
@@ -208,7 +208,7 @@ class PartContact:
         self._others = np.array(coefficients)
         for bore in self._bores:
             self._others[list(bore.columns.values())] = 0.0
-        self._lasting = np.zeros((len(coefficients), 1))
+        self._lasting = np.zeros_like(self._others)
         for bore in self._bores:
             self._lasting[bore.columns["cos 0"]] = (lasting or {}).get(bore.name, 0.0)
         self._limits = np.cumsum([0, *(len(b.hats.angles) for b in self._bores)])
@@ -264,7 +264,7 @@ class PartContact:
             own = forces[low:high]
             pressures = own / bore.areas[:, None]
             bores[bore.name] = BorePressure(bore.harmonics, bore.hats, own, pressures)
-        whole = others + self._lasting
+        whole = others + self._lasting[:, list(chosen)]
         return ContactCycle(bores, whole, complementary, unbalanced, steps)
 
     def _pressed(self, position: int) -> tuple[int, ...]:

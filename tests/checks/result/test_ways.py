@@ -127,6 +127,24 @@ def test_a_drive_counts_where_its_load_bar_alone_holds_the_limit():
     assert not only(design(part(checks=[loads]))).command  # the drive is stated
 
 
+def test_verdicts_that_differ_without_the_bar_of_the_drive_are_told_apart():
+    speed = ("speed up to 5 % slower or faster than its mean", 25.0, 25.0)
+    check = replace(BY_MODEL, limit=100.0, required=1.0, numerical=0.0, model=30.0, doubts=(speed,))
+    checks = [replace(check, value=80.0), replace(check, kind="fatigue", value=110.0)]
+    ways = ways_out(design(part(checks=checks), assumed=[("drive", "none is stated")]))
+    assert [(way.settles.split()[0], way.text.split()[-1]) for way in ways] == [
+        ("static", "pass"),
+        ("fatigue", "FAIL"),
+    ]
+
+
+def test_a_doubt_without_end_is_no_way_out():
+    speed = ("changes of speed between its slowest and fastest", inf, 0.0)
+    check = replace(BY_MODEL, model=inf, doubts=(speed,))
+    ways = ways_out(design(part(checks=[check]), assumed=[("drive", "none is stated")]))
+    assert not any("drive" in way.text for way in ways)
+
+
 def test_a_range_that_is_stated_counts_where_it_alone_holds_the_limit():
     bush = ("interference of the bush in first, 0.02 to 0.04 mm", 15.0, 15.0)
     loads = replace(BY_MODEL, loads=15.0, loads_below=15.0, model_below=20.0, doubts=(bush,))
