@@ -7,8 +7,8 @@ is its own model's, from the stress all round the bore: a displacement that clos
 hoop strain, so that u/R and (sigma_t - nu sigma_r)/E have one mean. For a ring up to Q R it
 is ((Q^2 + 1)/(Q^2 - 1) + nu)/E, (1 + nu)/E in an endless plate (docs/theory/press_fits.md).
 Loads that pass the bore and close it by R c in the mean add to the interference:
-p (b + l) = s/(2 R) + c. Even pressure q k of a pin in the bush is
-q on the bore by its radius; the bush hands on q + q [(nu - (k - 1)/(k + 1))/E - l]/(b + l).
+p (b + l) = s/(2 R) + c. An even pressure of the bore's own pin, q on the bore, is q k in the bush,
+whose radius is smaller. It opens the bore: p is less by q [l - (nu - (k - 1)/(k + 1))/E]/(b + l).
 """
 
 from dataclasses import dataclass, replace

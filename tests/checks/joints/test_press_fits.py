@@ -199,7 +199,7 @@ def test_compression_past_a_bore_makes_its_bush_press_more():
     wrenches["H"][:, 0] = 300 * 398 * 40 * np.array([0, 1, 0.5])
     wrenches["T"][:, 0] = -wrenches["H"][:, 0]
     fit = PressFit(0.12, 0.12, 60.0, 2.0, 206e3, 0.3)
-    pressures = []
+    pressures, strains = [], []
     for sign in (1, -1):  # pulled past the bore, the bush presses as with no load
         loads = replace(
             loaded.loads,
@@ -214,12 +214,22 @@ def test_compression_past_a_bore_makes_its_bush_press_more():
         solid = level_on(loaded.under(loads), level.solutions, 0.7, 100.0).lasting["S"]
         found = np.array([model.history.coefficients[column], solid])
         pressures.append(found / (np.pi * bore.radius * bore.length))
+        rim = np.array(model.places) == "S"
+        place = model.history.points[rim][:, :2] - bore.centre[:2]
+        across, along = (place / bore.radius).T
+        others = np.delete(np.arange(len(model.units)), column)
+        stress = model.history.basis[rim][:, :, others] @ model.history.coefficients[others]
+        hoop = np.einsum("ki,kin->kn", np.column_stack(
+            [along**2, across**2, -2 * across * along]), stress[:, [0, 1, 3]])  # fmt: skip
+        strains.append(-hoop.mean(axis=0) / part.material.youngs_modulus)
     closed, still = pressures
     assert_allclose(closed[0], closed[1], rtol=0.06)
     assert closed[:, 1].min() > 1.5 * still.max()
     assert_allclose(still[0], still[1], rtol=0.01)
     assert np.ptp(still, axis=1).max() == 0.0
     lug = fit.interference / 120 / still - fit.flexibility
+    own = strains[0] / (fit.flexibility + lug[0])  # by the stress that the formula tells on the rim
+    assert_allclose(closed[0], still[0] + own, rtol=1e-6)
     strain = 300 / 206e3 * np.array([0, 1, 0.5])
     assert_allclose(closed, (fit.interference / 120 + strain) / (fit.flexibility + lug), rtol=0.1)
 
