@@ -6,18 +6,26 @@ integrated over the arc's coordinate, exact to round-off; the rest is sums of bo
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import pi
+from math import pi, sqrt
 
 import numpy as np
 
 from geometry.cad_body import SolidBody
 from geometry.mesh import FloatArray
-from geometry.parts import LeafPack, Pin, PlateLink, PrismaticTube, ToggleBar
+from geometry.parts import (
+    LeafPack,
+    Pin,
+    PlateLink,
+    PrismaticTube,
+    SlottedLever,
+    ToggleBar,
+    TubeRod,
+)
 from geometry.parts.plate import Plate
 
-_GAUSS_POINTS = 24  # per piece; the pieces are smooth in the root of the distance to their start
+_GAUSS_POINTS = 24  # per piece; the pieces are smooth in the roots of the distances to their ends
 
-ClosedShape = ToggleBar | PrismaticTube | Pin | PlateLink | LeafPack
+ClosedShape = ToggleBar | PrismaticTube | Pin | PlateLink | LeafPack | SlottedLever | TubeRod
 
 
 def closed_body(shape: object) -> SolidBody | None:
@@ -35,6 +43,10 @@ def closed_body(shape: object) -> SolidBody | None:
             return _leaf_pack(shape)
         case Plate():
             return _plate(shape)
+        case SlottedLever():
+            return _slotted_lever(shape)
+        case TubeRod():
+            return _tube_rod(shape)
         case _:
             return None
 
@@ -59,6 +71,11 @@ class _Moments:
 
     def __sub__(self, other: "_Moments") -> "_Moments":
         return self + _Moments(-other.volume, -other.first, -other.second)
+
+    def mirrored(self, length: float) -> "_Moments":
+        """The solid turned end for end: x becomes length - x."""
+        about = length**2 * self.volume - 2 * length * self.first + self.second
+        return _Moments(self.volume, length * self.volume - self.first, about)
 
     def body(self, shape: ClosedShape, extent: float) -> SolidBody:
         """The body with its second moment about its own centre."""
@@ -90,10 +107,17 @@ def _half_disc(x: float, radius: float, thickness: float, outward: float) -> _Mo
     return _Moments(volume, first, volume * radius**2 / 2 + 2 * x * first - volume * x**2)
 
 
+def _stadium(start: float, stop: float, width: float, thickness: float) -> _Moments:
+    """A plate from start to stop along x whose ends are half round."""
+    half = width / 2
+    first, last = start + half, stop - half
+    ends = _half_disc(first, half, thickness, -1.0) + _half_disc(last, half, thickness, 1.0)
+    return _box(first, last, width, thickness) + ends
+
+
 def _plate_link(shape: PlateLink) -> SolidBody:
     thick, half = shape.thickness, shape.width / 2
-    solid = _box(0.0, shape.length, shape.width, thick)
-    solid += _half_disc(0.0, half, thick, -1.0) + _half_disc(shape.length, half, thick, 1.0)
+    solid = _stadium(-half, shape.length + half, shape.width, thick)
     for interface in shape.placed_interfaces:
         solid -= _disc(float(interface.centre[0]), interface.radius, thick)
     return solid.body(shape, max(shape.length + shape.width, thick))
@@ -105,6 +129,55 @@ def _plate(shape: Plate) -> SolidBody:
     centre = np.array([found.centre.real, found.centre.imag, 0.0])
     extent = max(shape.outline.size, thick)
     return SolidBody(interfaces, found.area * thick, centre, found.polar * thick, extent)
+
+
+def _slotted_lever(shape: SlottedLever) -> SolidBody:
+    outline = _stadium if shape.overhang is None else _box
+    solid = outline(-shape.beyond, shape.length + shape.beyond, shape.width, shape.thickness)
+    solid -= _stadium(shape.slot_from, shape.slot_to, shape.slot_width, shape.thickness)
+    if shape.boss_diameter is not None:
+        radius, fillet = shape.boss_diameter / 2, shape.boss_fillet
+        solid += _disc(shape.length, radius, 2 * shape.boss_height)
+        feet = 2 * (_fillet(radius, fillet, 0.0, 1.0) - _cylinder(radius, 0.0, fillet))
+        along = shape.length
+        solid += _Moments(feet[0], feet[0] * along, feet[2] + feet[0] * along**2)
+    for interface in shape.placed_interfaces:
+        if interface.kind == "bore":
+            solid -= _disc(float(interface.centre[0]), interface.radius, interface.length)
+    deep = shape.thickness + 2 * shape.boss_height
+    return solid.body(shape, max(shape.length + 2 * shape.beyond, shape.width, deep))
+
+
+def _tube_rod(shape: TubeRod) -> SolidBody:
+    """A solid of revolution whose balls are cut flat, less the tube's bore and the holes.
+
+    Of a disc of radius R cut at |z| = h, with w^2 = R^2 - h^2 and the area A = 2 (h w + R^2
+    asin(h/R)), the integral of y^2 is h w^3/3 + R^2 A/4.
+    """
+    eye, flat = shape.eye_diameter / 2, shape.eye_width / 2
+    centre = shape.tube_diameter / 2 + shape.fillet  # of the fillet's arc, from the axis
+    cut = [  # where flats end, in the ball and, if they reach it, in the fillet
+        sqrt(max(eye**2 - flat**2, 0.0)),
+        shape.shank_end - sqrt(max(shape.fillet**2 - max(centre - flat, 0.0) ** 2, 0.0)),
+    ]
+    middle = shape.length / 2
+    inner = [eye, eye + shape.bore / 2] if shape.bore else []
+    marks = {-eye, -cut[0], *cut, shape.joint, shape.shank_end, *inner, middle}
+    x, weight = _gauss(sorted(marks))
+    radius, bore = shape.outer_radius(x), shape.inner_radius(x)
+    high = np.minimum(radius, flat)
+    wide = np.sqrt(radius**2 - high**2)
+    area = 2 * (high * wide + radius**2 * np.arcsin(high / radius))
+    across = high * wide**3 / 3 + radius**2 * area / 4 - pi * bore**4 / 4
+    area -= pi * bore**2
+    one = _Moments(
+        float(weight @ area),
+        float(weight @ (area * x)),
+        float(weight @ (area * x**2 + across)),
+    )
+    one -= _disc(0.0, shape.hole / 2, shape.eye_width)
+    solid = one + one.mirrored(shape.length)
+    return solid.body(shape, shape.length + shape.eye_diameter)
 
 
 def _leaf_pack(shape: LeafPack) -> SolidBody:
@@ -168,13 +241,12 @@ def _side_walls(
 
 
 def _gauss(cuts: list[float]) -> tuple[FloatArray, FloatArray]:
-    """Places and weights of Gauss' rule between the cuts, in the root of the place."""
+    """Places and weights of Gauss' rule between the cuts, in t of a + (b - a) sin^2(t)."""
     point, own = np.polynomial.legendre.leggauss(_GAUSS_POINTS)
-    roots = np.sqrt(np.array(cuts))
-    middle, half = (roots[1:] + roots[:-1]) / 2, (roots[1:] - roots[:-1]) / 2
-    root = middle[:, None] + half[:, None] * point
-    weight = half[:, None] * own * 2 * root
-    return (root**2).ravel(), weight.ravel()
+    start, size = np.array(cuts[:-1])[:, None], np.diff(cuts)[:, None]
+    angle = np.pi / 4 * (point + 1)
+    weight = size * np.pi / 4 * own * np.sin(2 * angle)
+    return (start + size * np.sin(angle) ** 2).ravel(), weight.ravel()
 
 
 def _pin(shape: Pin) -> SolidBody:

@@ -94,11 +94,11 @@ class SlottedLever(Shape):
         check_below("boss_fillet", self.boss_fillet, self.boss_height, "the boss's height")
         foot = self.boss_diameter / 2 + self.boss_fillet
         flank_end = self.slot_to - self.slot_width / 2
-        if not foot < min(self.width / 2, self._beyond):
+        if not foot < min(self.width / 2, self.beyond):
             raise ParameterError(
                 "boss_diameter",
                 f"{self.boss_diameter:g} mm with its fillet reaches beyond the plate; it must be "
-                f"below {2 * (min(self.width / 2, self._beyond) - self.boss_fillet):g} mm",
+                f"below {2 * (min(self.width / 2, self.beyond) - self.boss_fillet):g} mm",
             )
         if not within(flank_end, self.length - foot):
             raise ParameterError(
@@ -132,7 +132,7 @@ class SlottedLever(Shape):
             )
 
     @property
-    def _beyond(self) -> float:
+    def beyond(self) -> float:
         """Overhang of the plate beyond its axes, mm."""
         return self.width / 2 if self.overhang is None else self.overhang
 
@@ -182,7 +182,7 @@ class SlottedLever(Shape):
         direction, end = self.outward(interface)
         inner = self.slot_from if interface == "pivot" else self.length - self.slot_to
         behind, before = (
-            self.thickness * (reach - self.hole / 2) for reach in (self._beyond, inner)
+            self.thickness * (reach - self.hole / 2) for reach in (self.beyond, inner)
         )
         return [
             Ligament(direction, behind, end),

@@ -88,8 +88,8 @@ class TubeRod(Shape):
                 f"{self.fillet:g} mm: eyes and fillets take {2 * self.shank_end:.4g} mm, the pins "
                 f"are {self.length:g} mm apart",
             )
-        ends = self.eye_diameter + self._bore
-        if self._bore and not ends < self.length:
+        ends = self.eye_diameter + self.bore
+        if self.bore and not ends < self.length:
             raise ParameterError(
                 "wall",
                 f"{self.wall:g} mm: no room for a bore, eyes and hemispheres take {ends:g} mm, "
@@ -100,7 +100,7 @@ class TubeRod(Shape):
         )
 
     @property
-    def _bore(self) -> float:
+    def bore(self) -> float:
         """Diameter of the tube's bore, mm; 0 for a solid rod."""
         return 0.0 if self.wall is None else self.tube_diameter - 2 * self.wall
 
@@ -118,8 +118,8 @@ class TubeRod(Shape):
     @property
     def sections(self) -> tuple[Section, ...]:
         """The tube, or the solid rod."""
-        name = "tube" if self._bore else "rod"
-        return (round_tube_section(name, self.tube_diameter, self._bore),)
+        name = "tube" if self.bore else "rod"
+        return (round_tube_section(name, self.tube_diameter, self.bore),)
 
     @property
     def walls(self) -> tuple[Walls, ...]:
@@ -137,7 +137,7 @@ class TubeRod(Shape):
         slab = occ.addBox(-far, -far, -self.eye_width / 2, 3 * far, 2 * far, self.eye_width)
         solids, _ = occ.intersect([(3, rod)], [(3, slab)])
         tools = [drill(gmsh, x, self.hole, self.eye_width) for x in (0.0, self.length)]
-        if self._bore:
+        if self.bore:
             bore = self._inside().revolve(gmsh)
             occ.rotate([(3, bore)], 0, 0, 0, 0, 1, 0, pi / 2)
             tools.append((3, bore))
@@ -161,7 +161,7 @@ class TubeRod(Shape):
 
     def _inside(self) -> Outline:
         """Hemisphere, cylinder, hemisphere."""
-        start, radius = self.eye_diameter / 2, self._bore / 2
+        start, radius = self.eye_diameter / 2, self.bore / 2
         outline = Outline()
         outline.line_to(0.0, start)
         outline.arc_to(radius, start + radius, (0.0, start + radius))
@@ -171,7 +171,7 @@ class TubeRod(Shape):
 
     def link(self, poisson_ratio: float) -> Bar:
         """The tube, its eyes left out."""
-        return even(round_tube(self.tube_diameter, self._bore), 0.0, self.length)
+        return even(round_tube(self.tube_diameter, self.bore), 0.0, self.length)
 
     @property
     def profile(self) -> Bar:
@@ -180,31 +180,34 @@ class TubeRod(Shape):
         The areas of a cut disc are integrals over z, by Gauss.
         """
         eye, end = self.eye_diameter / 2, self.shank_end
-        hollow = eye + self._bore / 2 if self._bore else end
-        marks = {0.0, self._joint, end, *((eye, hollow) if self._bore else ())}
+        hollow = eye + self.bore / 2 if self.bore else end
+        marks = {0.0, self.joint, end, *((eye, hollow) if self.bore else ())}
         far = self.length + eye
         return Bar(tuple(sorted({-eye, far, *marks, *(self.length - x for x in marks)})), self._at)
 
     @property
-    def _joint(self) -> float:
+    def joint(self) -> float:
         """Distance from the pin axis to where an eye's ball goes over into the fillet, mm."""
         eye = self.eye_diameter / 2
         return self.shank_end * eye / (eye + self.fillet)
 
-    def _outer_radius(self, from_pin: FloatArray) -> FloatArray:
+    def outer_radius(self, from_pin: FloatArray) -> FloatArray:
         """Outer radius at places beside a pin's axis: ball, fillet, tube; 0 beyond."""
         eye, tube, end = self.eye_diameter / 2, self.tube_diameter / 2, self.shank_end
         ball = np.sqrt(np.maximum(eye**2 - from_pin**2, 0.0))
         below = np.maximum(self.fillet**2 - (end - from_pin) ** 2, 0.0)
         fillet = tube + self.fillet - np.sqrt(below)
-        return np.where(from_pin < self._joint, ball, np.where(from_pin < end, fillet, tube))
+        return np.where(from_pin < self.joint, ball, np.where(from_pin < end, fillet, tube))
+
+    def inner_radius(self, from_pin: FloatArray) -> FloatArray:
+        """Radius of the tube's bore at places beside a pin's axis; 0 where it is solid."""
+        eye, bore = self.eye_diameter / 2, self.bore / 2
+        inside = np.maximum(bore**2 - np.maximum(eye + bore - from_pin, 0.0) ** 2, 0.0)
+        return np.where(from_pin > eye, np.sqrt(inside), 0.0)
 
     def _at(self, x: FloatArray) -> Sections:
-        eye, bore = self.eye_diameter / 2, self._bore / 2
         from_pin = np.where(x > self.length / 2, self.length - x, x)
-        outer = self._outer_radius(from_pin)
-        inside = np.maximum(bore**2 - np.maximum(eye + bore - from_pin, 0.0) ** 2, 0.0)
-        inner = np.where(from_pin > eye, np.sqrt(inside), 0.0) if bore else np.zeros_like(outer)
+        outer, inner = self.outer_radius(from_pin), self.inner_radius(from_pin)
         half = np.minimum(outer, self.eye_width / 2)
         most = np.arcsin(np.minimum(half / outer, 1.0))[..., None]
         angle, weight = most * _ANGLES, most * _WEIGHTS
@@ -273,7 +276,7 @@ class TubeRod(Shape):
         return Body(
             surfaces={**bores, **({"fillet": fillets} if fillets else {})},
             interfaces=self.placed_interfaces,
-            size=self.tube_diameter / (4 if self._bore else 3),
+            size=self.tube_diameter / (4 if self.bore else 3),
             regions=[
                 Region(holes, self.hole / 14, self.hole / 2),
                 *([Region(around, fine, self.tube_diameter / 2)] if fillets else []),

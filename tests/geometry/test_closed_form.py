@@ -7,7 +7,7 @@ import pytest
 
 from geometry.cad_body import cad_body
 from geometry.closed_form import closed_body
-from geometry.parts import LeafPack, Pin, PlateLink, PrismaticTube, Seat, TubeRod
+from geometry.parts import LeafPack, Pin, PlateLink, PrismaticTube, Seat, SlottedLever, TubeRod
 
 from .bars import PRESS_BAR
 
@@ -40,6 +40,25 @@ PACK = LeafPack(
     contact_to=448.5,
     contact_length=10.0,
 )
+ROD = TubeRod(
+    length=400.0,
+    tube_diameter=30.0,
+    wall=4.0,
+    eye_diameter=60.0,
+    eye_width=30.0,
+    hole=20.0,
+    fillet=8.0,
+)
+LEVER = SlottedLever(
+    length=300.0,
+    width=60.0,
+    thickness=12.0,
+    hole=20.0,
+    slot_width=22.0,
+    slot_from=40.0,
+    slot_to=240.0,
+)
+BOSSED = replace(LEVER, overhang=35.0, boss_diameter=40.0, boss_height=10.0, boss_fillet=3.0)
 SHAPES = {
     "toggle bar": PRESS_BAR,
     "corner of the cut-out above the inner radius": replace(PRESS_BAR, inner_radius=8.0),
@@ -55,6 +74,14 @@ SHAPES = {
         length=100.0, width=30.0, thickness=8.0, hole=10.0, second_hole=22.0
     ),
     "leaves": PACK,
+    "rod": ROD,
+    "rod whose flats cut the fillets": replace(ROD, eye_width=31.0, fillet=40.0),
+    "rod without fillets": replace(ROD, fillet=0.0, eye_width=44.0),
+    "solid rod as thick as its eyes": replace(ROD, wall=None, tube_diameter=30.0),
+    "slotted lever": LEVER,
+    "slotted lever with square ends": replace(LEVER, overhang=25.0),
+    "slotted lever with a boss": BOSSED,
+    "boss without fillet": replace(BOSSED, boss_fillet=0.0, overhang=None),
 }
 
 
@@ -89,14 +116,20 @@ def test_a_wider_tube_has_the_mass_of_its_walls():
     assert tube.volume == pytest.approx(100.0 * (4 * 30.0 * 2.0 - 4 * 2.0**2), rel=1e-12)
 
 
+def test_a_straight_rod_is_what_a_hand_adds_up():
+    """Ball of the eye's diameter cut flat, pi w (R^2 - w^2/12), less holes, on a bar's two ends.
+
+    The fillets are left out (radius 0); of the tube what lies inside of the balls is theirs: a cap
+    of the height R - c, c = sqrt(R^2 - r^2), and a bore with two hemispheres.
+    """
+    rod = replace(ROD, fillet=0.0, eye_width=44.0)
+    ball = np.pi * 44.0 * (30.0**2 - 44.0**2 / 12) - np.pi * 10.0**2 * 44.0
+    outside = np.sqrt(30.0**2 - 15.0**2)
+    cap = np.pi * (30.0 - outside) ** 2 * (3 * 30.0 - (30.0 - outside)) / 3
+    bore = np.pi * 11.0**2 * (400.0 - 60.0 - 22.0) + 4 * np.pi * 11.0**3 / 3
+    tube = np.pi * 15.0**2 * (400.0 - 2 * outside)
+    assert closed_body(rod).volume == pytest.approx(2 * (ball - cap) + tube - bore, rel=1e-12)
+
+
 def test_a_shape_without_closed_form_is_left_to_the_kernel():
-    rod = TubeRod(
-        length=400.0,
-        tube_diameter=30.0,
-        wall=4.0,
-        eye_diameter=60.0,
-        eye_width=30.0,
-        hole=20.0,
-        fillet=8.0,
-    )
-    assert closed_body(rod) is None
+    assert closed_body(object()) is None
