@@ -20,10 +20,13 @@ BLOCKS = re.findall(
     r"^#+ ([^\n]*)\n(?:(?!^#+ ).)*?^```python\n(.*?)^```\n\n```text\n(.*?)^```", PAGE, re.S | re.M
 )
 
+FAST = "Differences"  # the shortest example, which `make test` runs, too
+
 
 @pytest.mark.budget(60.0, "a page's example is run as it stands")
 @pytest.mark.parametrize(("code", "printed"), [
-    pytest.param(code, printed, id=title) for title, code, printed in BLOCKS
+    pytest.param(code, printed, id=title, marks=() if title == FAST else pytest.mark.slow)
+    for title, code, printed in BLOCKS
 ])  # fmt: skip
 def test_an_example_prints_what_the_page_says(code, printed, monkeypatch):
     monkeypatch.chdir(ROOT)
@@ -36,6 +39,7 @@ def test_an_example_prints_what_the_page_says(code, printed, monkeypatch):
 
 
 def test_every_example_of_the_page_is_run():
+    assert FAST in [title for title, *_ in BLOCKS]
     assert len(BLOCKS) == PAGE.count("```python") == PAGE.count("```text") == 5
 
 

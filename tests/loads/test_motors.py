@@ -109,6 +109,7 @@ def test_a_gear_multiplies_torque_and_loses_either_way():
     assert GEARED.reflected == 2.0
 
 
+@pytest.mark.slow
 def test_the_steady_state_is_that_of_a_long_integration_in_time():
     """60 turns, some 30 time constants, step by step with the equation of motion by hand."""
     found = run_cycle(machine(), cycle(driven(), n=720))

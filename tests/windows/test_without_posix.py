@@ -44,7 +44,7 @@ def design(tmp_path_factory):
     return path
 
 
-@pytest.mark.parametrize("fidelity", ["formula", "solid"])
+@pytest.mark.parametrize("fidelity", ["formula", pytest.param("solid", marks=pytest.mark.slow)])
 def test_a_check_has_the_numbers_that_it_has_here(design, tmp_path, fidelity):
     options = [word for override in ROD for word in ("--set", override)]
     done = run(
@@ -117,6 +117,7 @@ def test_a_batch_survives_what_its_jobs_do(tmp_path):
     ), done.stderr.decode()
 
 
+@pytest.mark.slow
 def test_a_batch_of_designs_is_resumed(design, tmp_path):
     command = (
         "-m", "ballesta", "batch", str(design), "--fidelity", "formula", "--jobs", "2",

@@ -149,6 +149,7 @@ def test_a_line_that_the_file_does_not_have_is_not_written(file, need, capsys):
     assert file.read_text(encoding="utf-8") == text
 
 
+@pytest.mark.slow
 def test_a_saving_with_which_the_linkage_would_buckle_goes_only_as_far_as_it_holds():
     """Links of 22 mm would do with 14 mm, but the jack as a whole has 6.61 of 5.7.
 

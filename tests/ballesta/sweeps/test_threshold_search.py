@@ -453,6 +453,7 @@ def test_an_output_folder_that_cannot_be_written_is_told_before_anything_is_chec
     assert "--out: cannot be written" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_the_command_line_prints_the_value_that_just_passes(tmp_path):
     out = tmp_path / "out"
     options = ["--sweep", "parts.lower_left.thickness = 5, 6 mm", "--fidelity", "formula"]

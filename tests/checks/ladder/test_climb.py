@@ -143,7 +143,8 @@ def test_every_fidelity_gives_the_same_checks_by_its_own_model(tmp_path, bars):
             assert value == pytest.approx(values["solid"][kind], rel=0.12), (fidelity, kind)
 
 
-@pytest.mark.parametrize("share", [pytest.param(0.98, marks=pytest.mark.slow), 1.015])
+@pytest.mark.slow
+@pytest.mark.parametrize("share", [0.98, 1.015])
 def test_a_verdict_by_auto_is_that_of_the_solid_near_the_limit(tmp_path, bars, share):
     """The solid that `auto` comes to judges as the whole solid does, and says what it tried."""
     bars(formula=0.1)

@@ -84,7 +84,7 @@ def test_an_unchanged_design_is_answered_from_the_store_with_the_same_files(fold
     "change",
     [
         {"overrides": ["parts.rod.thickness=9 mm"]},
-        {"effort": Effort("solid")},
+        {"effort": Effort("auto")},
         {"effort": Effort("formula", pinned={"rod": {"static": "formula"}})},
     ],
     ids=["override", "fidelity", "pinned"],

@@ -149,6 +149,7 @@ class TestHoles:
         for ratio, published in holes.PUBLISHED.items():
             assert_allclose(holes.strip(ratio), published, rtol=3e-3)
 
+    @pytest.mark.slow
     def test_its_concentration_falls_from_three_to_two(self):
         ratios = sorted((*holes.RATIOS, *holes.OUTER))
         found = [holes.strip(ratio) for ratio in ratios]
