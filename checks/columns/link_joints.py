@@ -230,13 +230,22 @@ class JointRows:
                 span = (b.place - a.place)[..., None, :]
                 row = (span @ (b.rows - a.rows)[..., :2, :])[..., 0, :]
             case loads.Angle(body=body, relative_to=other):
-                row = self._turn(placed, body) - self._turn(placed, other)
+                row = self._turn(placed, body, other) - self._turn(placed, other, body)
         return np.asarray(row[..., None, :])
 
-    def _turn(self, placed: PlacedLinks, body: str) -> FloatArray:
-        """Turn of a body about z, where its frame starts: at its first pin."""
+    def _turn(self, placed: PlacedLinks, body: str, other: str) -> FloatArray:
+        """Turn of a body about z at the pin that it has with the other body.
+
+        Bars bend, and a drive between two bodies holds them where they turn on each other. Without
+        such a pin it is held where its frame starts, at its first pin.
+        """
         link = self.model.number(body)
-        start = np.zeros(2) if link is None else self.model.own(link, np.zeros(2))
+        place = np.zeros(2)
+        for point, bodies in self._pins:
+            if {body, other} <= set(bodies):
+                own = self.model.linkage.body(body)
+                place = np.array(own.place(point), dtype=float)
+        start = place if link is None else self.model.own(link, place)
         return np.asarray(placed.motion(link, start).rows[..., _TURN, :])
 
 
