@@ -449,12 +449,24 @@ def _walk(kinematics: Kinematics, coordinate: Coordinate, knot: _Knot, end: floa
         if following is None:
             share /= 2.0
             if share < _SMALLEST_STEP:
-                raise _stopped(kinematics, coordinate, pose, end, value)
+                stopped = _stopped(kinematics, coordinate, pose, end, value)
+                raise LinkageError(f"{stopped}{_turns_away(coordinate, end, end - total)}")
             continue
         knots.append(following)
         before, knot = knot, following
         share = min(2.0 * share, 1.0 / 16.0)
     return knots
+
+
+def _turns_away(coordinate: Coordinate, end: float, start: float) -> str:
+    """Question in words where an angle is full turns beside one that is near the start."""
+    turns = round((end - start) / (2 * np.pi)) if coordinate.angular else 0
+    meant = end - 2 * np.pi * turns
+    if not turns or abs(meant - start) > np.pi / 2:
+        return ""
+    return (
+        f"; as drawn it is {in_words(coordinate, start)}: is {in_words(coordinate, meant)} meant?"
+    )
 
 
 def _step(

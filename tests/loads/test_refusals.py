@@ -3,7 +3,7 @@
 import pickle
 import re
 from dataclasses import replace
-from math import pi, sqrt
+from math import pi, radians, sqrt
 
 import pytest
 
@@ -57,6 +57,16 @@ def test_a_crank_that_cannot_turn_round_is_refused():
     """40 + 120 > 100 + 30: no crank by Grashof's rule."""
     with pytest.raises(LinkageError, match=r"crank\.angle = .* cannot be reached: joint"):
         trace(four_bar(40.0, 120.0, 30.0, 100.0, at=2.5), Angle("crank"), 2.5, 2 * pi)
+
+
+def test_an_angle_a_full_turn_beside_the_drawn_one_is_asked_about():
+    """Drawn at 143.24 deg: 497 and 500 deg are 137 and 140 deg, the way there does not close."""
+    linkage = four_bar(40.0, 120.0, 30.0, 100.0, at=2.5)
+    with pytest.raises(LinkageError, match=r"; as drawn it is 143\.2394 deg: is 140 deg meant\?$"):
+        trace(linkage, Angle("crank"), radians(500.0), radians(497.0))
+    with pytest.raises(LinkageError) as refused:
+        trace(linkage, Angle("crank"), 2.5, 2 * pi)
+    assert "meant" not in str(refused.value)
 
 
 def test_an_effort_that_passes_a_dead_centre_between_positions_is_refused():
