@@ -35,7 +35,7 @@ from checks.design.errors import DesignError
 from checks.handbook.fits import DEFAULT, clearances_of
 from checks.part.part_loads import Doubt, Runs, shown_name
 from checks.result.verdict import Gate
-from checks.result.words import END_OF_TRAVEL, number
+from checks.result.words import END_OF_TRAVEL, HITS, number
 from checks.store.store import Store
 from checks.stress.kept_models import Models
 from geometry.mesh import Interface
@@ -88,7 +88,7 @@ def play_pairs(design: Design, solved: Solved) -> tuple[list[LoadPair], list[tup
                 cycle: loads.with_hits(own, name, hits[cycle], drives[cycle])
                 for cycle, own in solved.items()
             }
-            words = f"play of {play:g} mm in {name} as its force reverses"
+            words = f"play of {play:g} mm in {name} {HITS}"
             pairs.append(LoadPair(words, (solved, end)))
     return pairs, _assumed(silent)
 

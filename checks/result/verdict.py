@@ -1,6 +1,6 @@
 """Result of checking a design: checks with their error bars, gates, and the verdict."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, replace
 from enum import StrEnum
 from math import inf, isfinite
@@ -90,6 +90,15 @@ class Check:
     def explained_by(self, derivation: "Derivation | None") -> "Check":
         """Return it with a derivation, if any, whose error bars get the terms of the check's."""
         return replace(self, derivation=derivation and derivation.with_bars_of(self))
+
+    def without(self, doubts: Iterable[tuple[str, float, float]]) -> "Check":
+        """Return it without the load bars of some of its doubts; as it is where one has no end."""
+        some = list(doubts)
+        model = self.model - sum(more for _, more, _ in some)
+        below = self.below - sum(less for _, _, less in some)
+        if not isfinite(model) or not isfinite(below):
+            return self
+        return replace(self, model=max(model, 0.0), model_below=max(below, 0.0))
 
     @property
     def safety(self) -> float:

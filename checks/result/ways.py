@@ -22,6 +22,7 @@ from checks.result.verdict import (
 )
 from checks.result.words import (
     END_OF_TRAVEL,
+    HITS,
     INTERFERENCE,
     SPEED_DOUBTS,
     check_titles,
@@ -136,7 +137,11 @@ def _of_check(
         yield Way(told, f"{LEAST}, error bars included", improve_command(result))
     if check.status is not Status.UNDECIDED:
         return
-    ways = [*_by_drive(result, check, settles), *_by_range(check, settles)]
+    ways = [
+        *_by_drive(result, check, settles),
+        *_by_range(check, settles),
+        *_by_play(check, settles),
+    ]
     if part is None:
         ways += _by_forks(result, check, settles)
     else:
@@ -204,7 +209,7 @@ def _by_drive(result: DesignResult, check: Check, settles: str) -> Iterator[Way]
     """Where the load bars of a drive of which nothing is stated hold the limit."""
     if "drive" not in {key for key, _ in result.assumed}:
         return
-    known = _without(check, [one for one in check.doubts if one[0].endswith(SPEED_DOUBTS)])
+    known = check.without(one for one in check.doubts if one[0].endswith(SPEED_DOUBTS))
     if known.status is not Status.UNDECIDED:
         yield Way(
             settles,
@@ -212,16 +217,6 @@ def _by_drive(result: DesignResult, check: Check, settles: str) -> Iterator[Way]
             _with(result, 'drive.control="constant"'),
             _again(result),
         )
-
-
-def _without(check: Check, doubts: Sequence[tuple[str, float, float]]) -> Check:
-    """The check without the load bars of some of its doubts; as it is where one has no end."""
-    if not all(isfinite(more) and isfinite(less) for _, more, less in doubts):
-        return check
-    model, below = check.model, check.below
-    for _, more, less in doubts:
-        model, below = model - more, below - less
-    return replace(check, model=max(model, 0.0), model_below=max(below, 0.0))
 
 
 def _by_range(check: Check, settles: str) -> Iterator[Way]:
@@ -235,9 +230,23 @@ def _by_range(check: Check, settles: str) -> Iterator[Way]:
             text = f"state a smaller cycles.{cycle}.stop.tolerance: at the stop itself it is a "
         else:
             continue
-        known = _without(check, [doubt])
+        known = check.without([doubt])
         if known.status is not Status.UNDECIDED:
             yield Way(settles, f"{text}{known.status}")
+
+
+def _by_play(check: Check, settles: str) -> Iterator[Way]:
+    """Where the bounds of what pins hit as they cross their play hold the limit."""
+    hits = [one for one in check.doubts if one[0].endswith(HITS)]
+    known = check.without(hits)
+    if hits and known.status is not Status.UNDECIDED:
+        plays = " and the ".join(words for words, *_ in hits)
+        yield Way(
+            settles,
+            "state closer fits (parts.NAME.fits), or how far joints give way (elastic.joints), for "
+            f"the {plays}: hits are bounds, of rigid bodies on steel; without them it is a "
+            f"{known.status}",
+        )
 
 
 def _by_forks(result: DesignResult, check: Check, settles: str) -> Iterator[Way]:

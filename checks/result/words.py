@@ -20,6 +20,7 @@ SURGING = "changes of speed between its slowest and fastest"
 SPEED_DOUBTS = (UNEVEN, SURGING)  # end those of a drive that does not run evenly
 INTERFERENCE = "interference of"  # begins those of bushes that are pressed in
 END_OF_TRAVEL = "end of its travel off by up to"  # in that of a stop, behind the cycle's name
+HITS = "as its force reverses"  # ends those of play in a joint
 _NEAR = 0.05  # of the required safety, within which four digits tell the safety
 _LONGEST_UTILISATION = 1e6  # that is written with all its digits
 
@@ -289,6 +290,11 @@ def open_reason(check: Check) -> str:
         return "its model error bar is infinite (unknown): no mesh settles it"
     if check.settled_by_mesh:
         return "a finer mesh can settle it (accuracy, mesh.most_unknowns)"
+    doubts = sorted(check.doubts, key=lambda doubt: -(doubt[1] + doubt[2]))
+    for n in range(1, len(doubts) + 1):
+        if check.without(doubts[:n]).status is not Status.UNDECIDED:
+            widest = " and ".join(words for words, *_ in doubts[:n])
+            return f"the limit lies within what is not known of its loads: {widest}"
     return "the limit lies within the model's own error bar, which no finer mesh narrows"
 
 

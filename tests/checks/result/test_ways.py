@@ -18,6 +18,7 @@ from checks.result.ways import (
     run_in_fact,
     ways_out,
 )
+from checks.result.words import open_reason
 
 from ...reports.results import check, design, part
 from ...small_machine import PLATE, machine
@@ -158,6 +159,22 @@ def test_a_range_that_is_stated_counts_where_it_alone_holds_the_limit():
     )
     little = replace(loads, doubts=((bush[0], 2.0, 2.0),))
     assert "nothing here settles it" in only(design(part(checks=[little]))).text
+
+
+def test_hits_in_joints_count_where_they_together_hold_the_limit():
+    plays = [(f"play of 0.04 mm in {name} as its force reverses", 9.0, 0.0) for name in "AB"]
+    loads = replace(BY_MODEL, loads=18.0, model_below=20.0, doubts=tuple(plays))
+    way = only(design(part(checks=[loads])))
+    assert way.text.startswith("state closer fits (parts.NAME.fits), or how far joints give way")
+    assert way.text.endswith("without them it is a pass")
+    assert open_reason(loads) == (
+        "the limit lies within what is not known of its loads: play of 0.04 mm in A as its force "
+        "reverses and play of 0.04 mm in B as its force reverses"
+    )
+    one = replace(loads, doubts=(plays[0],))
+    assert "nothing here settles it: the limit lies within the model's own error bar" in (
+        only(design(part(checks=[one]))).text
+    )
 
 
 def test_forks_count_where_the_linkage_passes_with_stiff_ones():
