@@ -210,30 +210,35 @@ def _ways(result: DesignResult) -> list[Fact]:
     """
     changes = improve_command(result)
     failed = result.status is Status.FAIL
-    fail = {check.part for check in result.checks if check.status is Status.FAIL}
+    fail = {_owner(check) for check in result.checks if check.status is Status.FAIL}
     ways = [
         way
         for way in result.ways
         if not way.text.startswith(NOTHING)
         and way.command != changes
         and not (failed and way.text.endswith(f"it is a {Status.FAIL}"))
-        and any(one.rpartition(" of ")[2] not in fail for one in way.settles.split(", "))
+        and any(one.rpartition(" of ")[2] not in fail for one in way.settled)
     ]
     label, most = ("also open", 1) if failed else ("way out", _MOST_WAYS)
     deciding = _deciding(result)
-    ways = [way for way in ways if deciding in way.settles.split(", ")] or ways
+    ways = [way for way in ways if deciding in way.settled] or ways
     return [Fact(label, _way_text(way, result), clean(way.command)) for way in ways[:most]]
 
 
 def _deciding(result: DesignResult) -> str:
     """Name of the deciding check, as ways have it."""
     titles = dict(zip(map(id, result.checks), check_titles(result.checks), strict=True))
-    return f"{titles[id(result.deciding)]} of {result.deciding.part}" if titles else ""
+    return f"{titles[id(result.deciding)]} of {_owner(result.deciding)}" if titles else ""
+
+
+def _owner(check: Check) -> str:
+    """Whose check it is, as ways have it."""
+    return check.part if check.part != "linkage" else "the linkage"
 
 
 def _way_text(way: Way, result: DesignResult) -> str:
     """A way with its time, and for how many checks it is, if not for the one that decides alone."""
-    settled = way.settles.split(", ")
+    settled = way.settled
     owner = "" if way.settles == _deciding(result) else f"{way.settles}: "
     of = f" ({len(settled)} checks)" if len(settled) > 1 else ""
     time = "" if way.seconds is None else f" (about {number(way.seconds, 2)} s)"

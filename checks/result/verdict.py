@@ -1,5 +1,6 @@
 """Result of checking a design: checks with their error bars, gates, and the verdict."""
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, replace
 from enum import StrEnum
@@ -250,6 +251,15 @@ class Way:
     text: str
     command: str = ""
     seconds: float | None = None
+
+    @property
+    def settled(self) -> list[str]:
+        """Each that it settles; a comma in brackets is of a name.
+
+        >>> Way("buckling (frame, share) of the linkage, static of rod", "").settled
+        ['buckling (frame, share) of the linkage', 'static of rod']
+        """
+        return re.split(r", (?![^()]*\))", self.settles)
 
     def to_dict(self) -> dict[str, Any]:
         """The way as plain data."""

@@ -123,7 +123,7 @@ def _merged(ways: Iterable[Way]) -> list[Way]:
         known = by_command.get(key)
         if known is None:
             by_command[key] = way
-        elif way.settles not in known.settles.split(", "):
+        elif way.settles not in known.settled:
             by_command[key] = replace(known, settles=f"{known.settles}, {way.settles}")
     return list(by_command.values())
 
@@ -251,7 +251,17 @@ def _by_play(check: Check, settles: str) -> Iterator[Way]:
 
 def _by_forks(result: DesignResult, check: Check, settles: str) -> Iterator[Way]:
     """Where a linkage buckles only if its pins let its bodies tilt out of the plane."""
-    held = replace(check, value=max(check.value - check.below, 0.0), model_below=0.0)
+    if check.method != "frame":  # a cylinder's own checks know no forks
+        return
+    share = max(check.value - (check.below - check.loads_below), 0.0)
+    scale = share / check.value  # all bars are shares of the value
+    held = replace(
+        check,
+        value=share,
+        numerical=scale * check.numerical,
+        model=scale * check.model,
+        model_below=scale * check.loads_below,
+    )
     if held.status is Status.PASS:
         yield Way(
             settles,

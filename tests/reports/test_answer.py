@@ -203,6 +203,23 @@ def test_a_way_is_told_with_the_number_of_its_checks_and_what_only_fails_is_not(
     assert "check z" not in text  # the arm fails, whatever its fatigue
 
 
+def test_a_way_of_the_linkage_alone_is_told_before_those_of_other_checks_as_one():
+    """The comma in the name of its check makes no two of it."""
+    frame = replace(
+        results.check(kind="buckling", value=300.0, limit=400.0, model=90.0),
+        part="linkage",
+        quantity="frame, share",
+    )
+    other = replace(frame, quantity="ram, share", value=1.0, model=0.0)
+    ways = [
+        Way("static of rod", "let a solid judge it", "check x"),
+        Way("buckling (frame, share) of the linkage", "state forks", "check y"),
+    ]
+    text = words(answer_text(replace(results.design(), linkage=[frame, other], ways=ways), 100))
+    assert "way out state forks: check y" in text
+    assert "check x" not in text
+
+
 def test_a_design_without_parts_says_that_nothing_was_checked():
     empty = replace(results.design(), parts=())
     assert "nothing was checked" in answer_text(empty, 100)

@@ -188,8 +188,12 @@ def test_forks_count_where_the_linkage_passes_with_stiff_ones():
     assert way.command.endswith("--set 'forks=\"stiff\"'")
     little = replace(share, model_below=0.2, value=0.45)  # 0.25 of 0.333
     assert only(replace(design(), linkage=[little])).command
-    hard = replace(share, numerical=0.3)
+    hard = replace(share, model_below=0.2, numerical=0.1)  # 0.3 + 0.06 of 0.333
     assert "nothing here settles it" in only(replace(design(), linkage=[hard])).text
+    coarse = replace(share, numerical=0.45, model=0.5)  # bars of a share are shares of it: 0.29
+    assert only(replace(design(), linkage=[coarse])).command
+    tube = replace(share, kind="static", method="formula")  # of a cylinder, which has no forks
+    assert "nothing here settles it" in only(replace(design(), linkage=[tube])).text
     rounded = replace(share, value=1e19, model_below=1.000001e19)  # no more is left than nothing
     assert only(replace(design(), linkage=[rounded])).text
 
