@@ -47,13 +47,16 @@ def read_dxf(path: Path, unit: str | None = None, layers: Sequence[str] = ()) ->
     document = _document(path)
     scale, said = _unit(document, unit)
     known = {layer.dxf.name.lower(): layer for layer in document.layers}
+    entities = list(_entities(document.modelspace(), ""))
+    # a layer of which the file's table does not know is there all the same
+    there = known.keys() | {str(entity.dxf.layer).lower() for entity, _ in entities}
     for name in layers:
-        if name.lower() not in known:
-            raise DrawingError(f"has no layer {name!r}; it has {', '.join(sorted(known))}")
+        if name.lower() not in there:
+            raise DrawingError(f"has no layer {name!r}; it has {', '.join(sorted(there))}")
     wanted = {name.lower() for name in layers}
     chains: list[Chain] = []
     silent: Counter[str] = Counter()
-    for entity, name in _entities(document.modelspace(), ""):
+    for entity, name in entities:
         layer = str(entity.dxf.layer)
         if not _is_read(layer, wanted, known):
             continue

@@ -124,6 +124,9 @@ def test_layers_texts_and_what_is_off(tmp_path):
     assert found.told[-1] == "not read, as they bound nothing: 1 TEXT"
     with pytest.raises(DrawingError, match="has no layer 'PLATE'; it has"):
         read_dxf(file, layers=["PLATE"])
+    space.add_circle((0, 0), 20, dxfattribs={"layer": "Cut"})  # of which the table does not know
+    found = read_dxf(saved(), layers=["0", "CUT"])
+    assert_allclose(found.drawn.outline.moments.area, math.pi * 2100, rtol=1e-9)
 
 
 def test_an_arc_that_is_drawn_from_below(tmp_path):
