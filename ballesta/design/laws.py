@@ -156,7 +156,10 @@ def _opposing(
 
 
 def _piston(read: Reading, key: str, force: str, entry: PistonLaw) -> loads.Law | None:
-    """Return the pressure times the area of the piston, or of the ring around its rod."""
+    """Return the pressure times the area of the piston, or of the ring around its rod.
+
+    Between two points the whole piston pushes, below 0, and the ring pulls.
+    """
     if read.file.forces[force].turns is not None:
         raise ParameterError("", f"{force} is a torque, and a piston pushes")
     rod = entry.rod or 0.0
@@ -164,16 +167,17 @@ def _piston(read: Reading, key: str, force: str, entry: PistonLaw) -> loads.Law 
         raise ParameterError(
             "rod", f"must be thinner than the bore of {entry.bore:g} mm, got {rod:g} mm"
         )
-    area = math.pi / 4.0 * (entry.bore**2 - rod**2)
+    apart = not rod and read.file.forces[force].between is not None
+    area = math.pi / 4.0 * (entry.bore**2 - rod**2) * (-1.0 if apart else 1.0)
     if isinstance(entry.pressure, float):
         for field in ("over", "at", "table", "units"):
             if getattr(entry, field) is not None:
                 raise ParameterError(field, "is of a table; one pressure is the same everywhere")
-        return area * entry.pressure
+        return area * entry.pressure + 0.0
     pressures = entry.pressure
     stated = None if pressures is None else [Measured(value, "stress") for value in pressures]
     values, found = _columns(read, key, entry, "pressure", stated)
-    sizes = [Measured(area * value.value, "force") for value in found]
+    sizes = [Measured(area * value.value + 0.0, "force") for value in found]  # never -0
     return _tabled(read, key, force, entry, (values, sizes), "pressure")
 
 

@@ -304,7 +304,10 @@ class PistonLaw(Table):
     """A pressure on a piston that pushes along the force: constant, or in a table."""
 
     pressure: Pressures | None = Field(
-        None, description="over the surroundings; a list beside `at`", examples=["60 bar"]
+        None,
+        description="over the surroundings; a list beside `at`; of a force between two points it "
+        "pushes them apart, with `rod` it pulls them together",
+        examples=["60 bar"],
     )
     bore: PositiveLength = Field(description="diameter of the piston")
     rod: PositiveLength | None = Field(

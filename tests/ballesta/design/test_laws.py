@@ -125,6 +125,22 @@ def test_a_piston_pushes_with_its_area_or_the_ring_around_its_rod(tmp_path):
     assert given(read(tmp_path, (PUSH, ring)), "bench", "push") == pytest.approx(5259.03, rel=1e-6)
 
 
+@pytest.mark.parametrize(("rod", "force"), [("", -7539.82), (', rod = "22 mm"', 5259.03)])
+def test_a_piston_between_two_points_pushes_them_apart_or_pulls_around_its_rod(
+    tmp_path, rod, force
+):
+    """As a cylinder whose `available` has 7.540 kN to push and 5.259 kN to pull."""
+    between = ('body = "slider"\nat = "B"\ndirection = "1, 0"', 'between = ["O", "B"]')
+    for pressure, shares in (
+        ('pressure = "60 bar"', 1.0),
+        ('pressure = ["0 bar", "60 bar"], over = "B.x", at = ["0 mm", "900 mm"]', (0.0, 1.0)),
+    ):
+        piston = f'push = {{ {pressure}, bore = "40 mm"{rod} }}'
+        law = given(read(tmp_path, between, (PUSH, piston)), "bench", "push")
+        law = law.forces if isinstance(law, loads.Table) else law
+        assert law == pytest.approx(np.multiply(shares, force), rel=1e-6)
+
+
 def test_a_pressure_may_follow_a_table_or_an_indicator_diagram(tmp_path):
     (tmp_path / "work.csv").write_text("angle,p\n0,1\n180,30\n360,1\n")
     rest = 'bore = "40 mm", over = "crank.angle"'
