@@ -2,6 +2,7 @@
 
 python -m bench.batch overhead          100 jobs of 50 ms that do nothing: seconds
 python -m bench.batch press [N]         N = 100 variants of the toggle press by solids: hours
+python -m bench.batch swept [N]         N = 60 variants of a link on carried meshes: minutes
 python -m bench.batch memory [N]        N = 1000 formula designs by one worker: an hour
 
 Prints JSON. Shares and ratios are of one run; starts of interpreters are not counted.
@@ -20,6 +21,7 @@ from ballesta.batches.job import GAVE_UP, RUN, Job, ended
 from ballesta.batches.plan import Plan, Request, planned
 from ballesta.batches.processes import resident_bytes
 from ballesta.batches.run import Settings, run_batch
+from tests.small_machine import MACHINE, PLATE
 
 ROOT = Path(__file__).parents[1]
 PRESS = ROOT / "designs" / "toggle_press.toml"
@@ -126,6 +128,32 @@ def press(folder: Path, count: int) -> dict[str, float]:
     return found | {"two over one": times[1] / times[2], "same tables": len(same) == 1}
 
 
+def swept(folder: Path, count: int, rounds: int = 2) -> dict[str, Any]:
+    """Variants an hour by one worker and by two, in turns, once each worker has its neighbour."""
+    file = folder / "machine.toml"
+    file.write_text(MACHINE + PLATE)
+    sweep = f"parts.rod.thickness = 7.4..8.7 mm : {count}"
+    request = Request((str(file),), ("accuracy=10 %",), (sweep,), fidelity="swept")
+    rates: dict[int, list[float]] = {1: [], 2: []}
+    tables = set()
+    for turn in range(rounds):
+        for workers in rates:
+            out = folder / f"{turn}_{workers}"
+            plan = planned(request, out, False)
+            watch, _ = run(plan, out, Settings(workers, None))
+            spent = watch.ends[-1] - watch.ends[workers - 1]
+            rates[workers].append((count - workers) / spent * 3600)
+            tables.add((out / "results.csv").read_bytes())
+    ratios = [two / one for one, two in zip(*rates.values(), strict=True)]
+    return {
+        "variants": count,
+        "an hour by one": rates[1],
+        "an hour by two": rates[2],
+        "two over one": ratios,
+        "same tables": len(tables) == 1,
+    }
+
+
 def memory(folder: Path, count: int) -> dict[str, float]:
     """Largest worker and parent in the first and the last tenth of many formula designs."""
     sweep = f"parts.bar_upper.wall = 5..7 mm : {count}"
@@ -144,12 +172,14 @@ def memory(folder: Path, count: int) -> dict[str, float]:
 def main() -> None:
     """Measure what is asked for."""
     what = sys.argv[1] if len(sys.argv) > 1 else "overhead"
-    count = int(sys.argv[2]) if len(sys.argv) > 2 else {"press": 100, "memory": 1000}.get(what, 0)
+    usual = {"press": 100, "swept": 60, "memory": 1000}
+    count = int(sys.argv[2]) if len(sys.argv) > 2 else usual.get(what, 0)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         measure = {
             "overhead": lambda: overhead(folder),
             "press": lambda: press(folder, count),
+            "swept": lambda: swept(folder, count),
             "memory": lambda: memory(folder, count),
         }[what]
         print(json.dumps(measure(), indent=1))

@@ -56,7 +56,6 @@ source = "assumed, a structural steel"
 [parts.rod]
 body = "rod"
 shape = { step = "rod.step" }
-section = "30, 8 mm"
 interfaces = { first = "A", second = "B" }
 material = "steel"
 [parts.rod.holes]
@@ -114,10 +113,11 @@ CAMPAIGNS = dict([
              thickness=36.0, hole=30.0),
     ("step_rod", Campaign(
         Path("step_rod.toml"), "rod",
-        {"cycles.turn.phases[0].forces.push": (6.0, "kN"),
+        {"parts.rod.thickness": (12.0, "mm"),
+         "cycles.turn.phases[0].forces.push": (16.0, "kN"),
          "materials.steel.yield_stress": (355.0, "MPa"),
          "materials.steel.youngs_modulus": (210.0, "GPa")},
-        ("cycles.turn.phases[0].forces.push", "materials.steel.yield_stress"), 30)),
+        ("parts.rod.thickness", "cycles.turn.phases[0].forces.push"), 60)),
 ])  # fmt: skip
 
 
@@ -192,8 +192,8 @@ def step_rod(folder: Path) -> Path:
     folder.mkdir(exist_ok=True)
     file, drawing = folder / "step_rod.toml", folder / "rod.step"
     if not drawing.exists():
-        write_step(drawing, PlateLink(length=161, width=30, thickness=8, hole=12).build)
-    file.write_text(MACHINE.replace("400 N", "6 kN") + STEP_ROD)
+        write_step(drawing, PlateLink(length=161, width=30, thickness=12, hole=12).build)
+    file.write_text(MACHINE.replace("400 N", "16 kN") + STEP_ROD)
     return file
 
 

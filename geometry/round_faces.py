@@ -87,7 +87,7 @@ def round_faces(gmsh: Any, solid: int) -> tuple[list[Hole], list[str], list[Curv
     for _, face in gmsh.model.getBoundary([(3, solid)], oriented=False):
         if gmsh.model.getType(2, face) == "Plane":
             continue
-        points, normals = _grid(gmsh, face)
+        points, normals = grid(gmsh, face)
         found = _curvature(face, points, normals)
         if found is not None:
             curved.append(found)
@@ -133,8 +133,8 @@ def canonical(direction: FloatArray) -> FloatArray:
     return np.asarray(snapped * np.sign(direction[largest]) / np.linalg.norm(snapped))
 
 
-def _grid(gmsh: Any, face: int) -> tuple[FloatArray, FloatArray]:
-    """Points and normals (_GRID, _GRID, 3) over the face's parameters.
+def grid(gmsh: Any, face: int) -> tuple[FloatArray, FloatArray]:
+    """Points, mm, and normals over the parameters of a face, (_GRID, _GRID, 3) each.
 
     gmsh turns the normals of a solid's faces out of the material.
     """

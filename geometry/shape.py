@@ -251,6 +251,11 @@ class Shape(ABC):
         return ()
 
     @property
+    def drawn_sizes(self) -> Mapping[str, float]:
+        """Sizes that its file has, mm, by the keys of the part's entry that would change them."""
+        return {}
+
+    @property
     def heights(self) -> Mapping[str, float]:
         """Height z, mm, of the middle of each interface that is not in the middle plane."""
         return {}

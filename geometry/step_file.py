@@ -72,21 +72,31 @@ def survey_step(path: Path) -> StepSolid:
     """
     with gmsh_session() as gmsh:
         tag, told = import_solid(gmsh, path)
-        holes, partial, curved = round_faces(gmsh, tag)
-        faces = [face for _, face in gmsh.model.getBoundary([(3, tag)], oriented=False)]
-        solid = StepSolid(
-            volume=float(gmsh.model.occ.getMass(3, tag)),
-            area=float(sum(gmsh.model.occ.getMass(2, face) for face in faces)),
-            centre=np.array(gmsh.model.occ.getCenterOfMass(3, tag)),
-            outline=_outline(gmsh),
-            tag=tag,
-            holes=tuple(holes),
-            partial=tuple(partial),
-            curved=tuple(curved),
-            told=told,
-        )
+        solid = measured(gmsh, tag, told)
+        faces = _faces(gmsh, tag)
         crossing = _crossing(gmsh, path.name, faces)
     return solid if crossing is None else replace(solid, told=(*solid.told, crossing))
+
+
+def measured(gmsh: Any, tag: int, told: tuple[str, ...]) -> StepSolid:
+    """Measure a solid in gmsh's current model; told: in words, what else its file has."""
+    holes, partial, curved = round_faces(gmsh, tag)
+    occ = gmsh.model.occ
+    return StepSolid(
+        volume=float(occ.getMass(3, tag)),
+        area=float(sum(occ.getMass(2, face) for face in _faces(gmsh, tag))),
+        centre=np.array(occ.getCenterOfMass(3, tag)),
+        outline=_outline(gmsh),
+        tag=tag,
+        holes=tuple(holes),
+        partial=tuple(partial),
+        curved=tuple(curved),
+        told=told,
+    )
+
+
+def _faces(gmsh: Any, solid: int) -> list[int]:
+    return [face for _, face in gmsh.model.getBoundary([(3, solid)], oriented=False)]
 
 
 def import_solid(gmsh: Any, path: Path) -> tuple[int, tuple[str, ...]]:

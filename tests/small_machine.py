@@ -94,5 +94,5 @@ class Meshed:
     def body(self, _shape):
         return self._mesh
 
-    def mesh(self, _shape, _fineness):
+    def measured(self, _shape, _fineness):
         return self._mesh

@@ -281,6 +281,7 @@ def step_geometry(
         tolerance=entry.hole_tolerance,
         flip=entry.flip,
         section=entry.section,
+        thickness=entry.thickness,
     )
 
 

@@ -53,6 +53,16 @@ def on_grid(overrides: Sequence[str], stated: Sequence[tuple[str, str]]) -> tupl
     return tuple(_near(text, known) for text in overrides)
 
 
+def _sizes(design: Design) -> list[tuple[str, str]]:
+    """Keys and values that a design states, and sizes that the files of its parts have."""
+    drawn = [
+        (f"parts.{name}.{key}", f"{size:.6g} mm")
+        for name, part in design.parts.items()
+        for key, size in part.geometry.drawn_sizes.items()
+    ]
+    return [*design.inputs, *drawn]
+
+
 def _stated(key: str, known: Mapping[str, str]) -> str:
     """The value of a key, or of that key of the part that its part is like; "" without one."""
     while key not in known:
@@ -88,7 +98,7 @@ class Neighbours:
     def of(self, part: str) -> Neighbour | str:
         """The neighbour of a part; in words, why it has none."""
         try:
-            overrides = on_grid(self._overrides, read_design(self._file).inputs)
+            overrides = on_grid(self._overrides, _sizes(read_design(self._file)))
             design = read_design(self._file, overrides)
         except DesignError as error:
             return f"its neighbour is refused: {error}"

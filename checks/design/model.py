@@ -300,6 +300,12 @@ class StepPartEntry(BodyPartEntry):
         "first hole to the second, and thickness along the pins; for the endurance limit's size "
         "factor",
     )
+    thickness: PositiveLength | None = Field(
+        None,
+        description="thickness along the pins of a plate that the file has in another one: its two "
+        "flat faces are offset alike; of a part with other faces than square and parallel to the "
+        "pins it is refused",
+    )
     flip: Annotated[bool, Field(strict=True)] = Field(
         False, description="turn the part round, so that its other side is up"
     )

@@ -90,6 +90,7 @@ class Ladder:
         waiting.sort(key=lambda name: costs.get(name, 0.0))
         for done, name in enumerate(waiting):
             self._solve(name, costs.get(name, 0.0))
+            self._completed(name, self.results[name])  # while the mesh is there to measure on
             left = waiting[done + 1 :]
             self.models.keep_only({self.climbs[other].part.geometry for other in left})
         for name in self._settled if self.live and self.effort.fields else []:

@@ -40,8 +40,8 @@ class Bodies(Protocol):
     def body(self, shape: Buildable) -> SolidBody:
         """The body of a shape as it is known without a mesh."""
 
-    def mesh(self, shape: Buildable, fineness: float) -> Mesh:
-        """The mesh of a shape."""
+    def measured(self, shape: Buildable, fineness: float) -> Mesh:
+        """A mesh of a shape to measure it on, of a fineness if none is known."""
 
 
 class _Unkept:
@@ -50,7 +50,7 @@ class _Unkept:
     def body(self, shape: Buildable) -> SolidBody:
         return closed_body(shape) or cad_body(shape)
 
-    def mesh(self, shape: Buildable, fineness: float) -> Mesh:
+    def measured(self, shape: Buildable, fineness: float) -> Mesh:
         return mesh_shape(shape, fineness=fineness)
 
 
@@ -184,7 +184,7 @@ class LoadedPart:
     def measurable(self) -> Mesh | SolidBody:
         """The body as its ligaments are known: of one from CAD they are measured on its mesh."""
         if any(self.part.geometry.ligaments(name) is None for name in self.part.interfaces):
-            return self.bodies.mesh(self.part.geometry, FIRST * self.part.fineness)
+            return self.bodies.measured(self.part.geometry, FIRST * self.part.fineness)
         return self.solid
 
     @property

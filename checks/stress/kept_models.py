@@ -141,6 +141,14 @@ class Models:
             self.seconds["solve"] += perf_counter() - start
         return self._carried[key]
 
+    def measured(self, shape: Buildable, fineness: float) -> Mesh:
+        """Return a mesh of a shape to measure it on: one carried over to it, if there is one.
+
+        Raises MeshError.
+        """
+        carried = (done.mesh for (one, *_), done in self._carried.items() if one == shape)
+        return next(carried, None) or self.mesh(shape, fineness)
+
     def keep_only(self, shapes: Set[Buildable]) -> None:
         """Let go of the meshes and factors of all other shapes: a factor takes up to a GiB."""
         self._meshes = {k: mesh for k, mesh in self._meshes.items() if _whole(k[0]) in shapes}

@@ -15,6 +15,7 @@ from geometry.parameters import ParameterError, check_above
 from geometry.round_faces import Hole
 from geometry.shape import Body, Region, Shape
 from geometry.step_file import StepSolid, file_hash, import_solid, surveyed
+from geometry.step_plate import extruded, survey_plate
 
 if TYPE_CHECKING:
     from geometry.slices import Slice
@@ -26,12 +27,14 @@ _FINEST = 6.0  # times smaller than in general at the most, before any error is 
 _MOST_TOLD = 40  # holes in one message
 _STATED = 1e-3  # mm, how exactly points are usually stated
 _FACETS = 32  # of a full turn: a circle's second moment to 1.3 %
+_ALIKE = 1e-6  # of a thickness that is stated twice
 _CELLS = 64  # of the whole part
 _MARKS = 500  # of the holes' distance: edges that are nearer along x are one
 _STRAIGHT = 1e-3  # of the outermost holes' distance: how far holes and centroids may lie beside it
 _APART = 1e-6  # mm: sections that are nearer are one
 _STEEP = 0.3  # mm per mm: where centroids climb faster, planes cut the bar askew
 _OF_TWO = 0.3  # of the area at a hole: the smaller side of one lug; forks have four
+_CHANGED = 100.0  # times the thickness in the file, or a part of it: beyond, no unit is meant so
 _LUG = 0.1  # of a bore: what a pin presses on is as thick, or dishes (docs/theory/buckling.md)
 
 Triple = tuple[float, float, float]
@@ -71,6 +74,7 @@ class StepPart(Shape):
     places     mm, where the linkage has the holes' axes in this frame; None: wherever they are
     tolerance  mm, on diameters, on points of an axis, and on `places`
     section    mm, height and thickness of the stressed section for Marin's size factor, or None
+    thickness  mm, along z, of a plate that the file has in another one, or None
     sha256     of the file, by which parts are told apart
 
     Raises ParameterError for a file or holes that cannot be meant.
@@ -82,6 +86,7 @@ class StepPart(Shape):
     tolerance: float = 0.05
     flip: bool = False
     section: Pair | None = None
+    thickness: float | None = None
     sha256: str = field(init=False)
 
     def __post_init__(self) -> None:
@@ -96,21 +101,64 @@ class StepPart(Shape):
         for size in self.section or ():
             check_above("section", size, 0)
         object.__setattr__(self, "sha256", file_hash(self.path))
+        self._check_thickness()
         self._check_axes()
         self._check_plain()
         self._check_places()
 
     @cached_property
-    def solid(self) -> StepSolid:
+    def drawn(self) -> StepSolid:
         """Solid of the file, in the file's own frame."""
         return surveyed(self.path, self.sha256)
+
+    @cached_property
+    def solid(self) -> StepSolid:
+        """Solid of the part, with its own thickness, in the file's own frame."""
+        if self.thickness is None:
+            return self.drawn
+        return survey_plate(self.path, self.sha256, self._through, self.thickness)
+
+    @cached_property
+    def _through(self) -> Triple:
+        """Unit vector along the pins in the file's frame."""
+        x, y, z = self._match(self.holes[0], self.drawn).direction.tolist()
+        return x, y, z
+
+    @cached_property
+    def _drawn_thickness(self) -> float:
+        """Size of the file's solid along the pins, mm."""
+        return float(np.ptp(self.drawn.outline @ self._through))
+
+    @property
+    def drawn_sizes(self) -> Mapping[str, float]:
+        """The thickness of the file, mm, where the part has it."""
+        return {} if self.thickness is not None else {"thickness": self._drawn_thickness}
+
+    def _check_thickness(self) -> None:
+        thickness = self.thickness
+        if thickness is None:
+            return
+        check_above("thickness", thickness, 0)
+        drawn = self._drawn_thickness
+        if not 1 / _CHANGED <= thickness / drawn <= _CHANGED:
+            raise ParameterError(
+                "thickness",
+                f"{thickness:g} mm is more than {_CHANGED:g} times away from the {drawn:.6g} mm "
+                f"that {self.path.name} has along its pins; is its unit wrong?",
+            )
+        if self.section is not None and abs(self.section[1] / thickness - 1) > _ALIKE:
+            raise ParameterError(
+                "section",
+                f"is {self.section[1]:g} mm thick along the pins, but `thickness` is "
+                f"{thickness:g} mm; leave it out, or state the same",
+            )
 
     @cached_property
     def found(self) -> Mapping[str, Hole]:
         """The named holes, in the file's own frame."""
         found: dict[str, Hole] = {}
         for named in self.holes:
-            hole = self._match(named)
+            hole = self._match(named, self.solid)
             for other, taken in found.items():
                 if taken is hole:
                     raise ParameterError(
@@ -120,19 +168,19 @@ class StepPart(Shape):
             found[named.name] = hole
         return found
 
-    def _match(self, named: NamedHole) -> Hole:
+    def _match(self, named: NamedHole, solid: StepSolid) -> Hole:
         """Return the one hole that a name can mean."""
         key = f"holes.{named.name}"
-        wide = [hole for hole in self.solid.holes if self._has_size(named, hole)]
+        wide = [hole for hole in solid.holes if self._has_size(named, hole)]
         fits = [hole for hole in wide if self._is_at(named, hole)]
         what = f"{named.kind} of {named.diameter:g} mm"
         where = ""
         if named.at is not None:
             where = " through ({:g}, {:g}, {:g}) mm".format(*named.at)
         if not fits:
-            partial = [entry for entry in self.solid.partial if entry.startswith(what + " ")]
+            partial = [entry for entry in solid.partial if entry.startswith(what + " ")]
             only = f"; only a {partial[0]}" if partial else ""
-            hints = [_unit_hint(named.diameter, hole.diameter) for hole in self.solid.holes]
+            hints = [_unit_hint(named.diameter, hole.diameter) for hole in solid.holes]
             only += max(hints, key=len, default="")
             raise ParameterError(
                 key,
@@ -154,7 +202,7 @@ class StepPart(Shape):
         return named.at is None or hole.distance_to(np.array(named.at)) <= self.tolerance
 
     def _told_holes(self) -> str:
-        holes = self.solid.holes
+        holes = self.drawn.holes
         if not holes:
             return "the part has no round hole or journal"
         more = f"; and {len(holes) - _MOST_TOLD} more" if len(holes) > _MOST_TOLD else ""
@@ -327,7 +375,12 @@ class StepPart(Shape):
     @property
     def told(self) -> tuple[str, ...]:
         """Notes on the reading of the file: sentences for the report."""
-        said = [*self.solid.told]
+        said = [*self.drawn.told]
+        if self.thickness is not None:
+            said.append(
+                f"it is {self.thickness:g} mm thick along its pins; {self.path.name} has "
+                f"{self._drawn_thickness:.6g} mm, whose flat faces are offset alike"
+            )
         why = self._column[1]
         if why:
             said.append(f"no column formula judged it, so yield was not checked by one: {why}")
@@ -359,6 +412,8 @@ class StepPart(Shape):
         if file_hash(self.path) != self.sha256:
             raise MeshError(f"{self.path.name} has changed since it was first read")
         tag, _ = import_solid(gmsh, self.path)
+        if self.thickness is not None:
+            tag = extruded(gmsh, tag, self._through, self.thickness)
         assert tag == self.solid.tag, "gmsh numbers what it reads in the order of the file"
         occ, solid = gmsh.model.occ, [(3, tag)]
         occ.translate(solid, *(-next(iter(self.found.values())).centre))

@@ -13,18 +13,27 @@ from pathlib import Path
 import pytest
 
 import ballesta.sweeps.neighbours as neighbours
+import checks.stress.kept_models as kept_models
 from ballesta.batches.job import Job, run_job
 from ballesta.commands.batch_command import Wanted, outcomes_of
 from checks.design.errors import DesignError
+from geometry.parts import PlateLink
 
+from ...geometry.step_files import write_step
 from ...small_machine import MACHINE, PLATE
 
 ROOT = Path(__file__).parents[3]
 
 
-def checked(folder: Path, thickness: str, fidelity: str = "swept", store: str | None = None):
+def checked(
+    folder: Path,
+    thickness: str,
+    fidelity: str = "swept",
+    store: str | None = None,
+    part: str = PLATE,
+):
     """Result of a variation, as its file has it, without what depends on the day and the clock."""
-    (folder / "machine.toml").write_text(MACHINE + PLATE)
+    (folder / "machine.toml").write_text(MACHINE + part)
     out = folder / fidelity / thickness.replace(" ", "_")
     out.mkdir(parents=True, exist_ok=True)
     override = f"parts.rod.thickness={thickness}"
@@ -89,6 +98,41 @@ def test_dimensions_far_from_the_file_s_have_neighbours_there(tmp_path, none_kno
     assert all(mesh["smallest scaled det J"] > 0 for mesh in part["meshes"])
     carried = part["meshes"][0]["mesher"].endswith("carried over")
     assert carried != any("meshes of its own" in said for said in part["assumed"])
+
+
+STEP = """
+[parts.rod]
+body = "rod"
+shape = { step = "rod.step" }
+interfaces = { first = "A", second = "B" }
+holes.first = { diameter = "12 mm", at = "0, 0, 0 mm" }
+holes.second = { diameter = "12 mm", at = "161, 0, 0 mm" }
+material = "S275"
+mesh = { fineness = 0.5 }
+"""
+
+
+def test_the_thickness_of_a_part_from_cad_is_swept(tmp_path, none_known):
+    """Its neighbour on the grid about the file's 8 mm, which the design does not state."""
+    write_step(tmp_path / "rod.step", PlateLink(length=161, width=30, thickness=8, hole=12).build)
+    swept = checked(tmp_path, "9.3 mm", part=STEP)
+    solid = checked(tmp_path, "9.3 mm", "solid", part=STEP)
+    assert [key[2] for key in neighbours._found] == ["parts.rod.thickness=9.6 mm"]
+    assert swept["meshes"][0]["mesher"].endswith("carried over")
+    for kind, check in stresses(swept).items():
+        other = stresses(solid)[kind]
+        assert check["method"] == "solid, mesh carried over"
+        assert abs(check["value"] - other["value"]) <= check["numerical"] + other["numerical"]
+
+
+def test_a_carried_mesh_is_all_that_a_part_from_cad_is_meshed_for(
+    tmp_path, none_known, monkeypatch
+):
+    """Its ligaments are measured on that mesh, once the neighbour is known."""
+    write_step(tmp_path / "rod.step", PlateLink(length=161, width=30, thickness=8, hole=12).build)
+    checked(tmp_path, "9.3 mm", part=STEP)
+    monkeypatch.setattr(kept_models, "mesh_shape", None)
+    assert checked(tmp_path, "9.5 mm", part=STEP)["meshes"][0]["mesher"].endswith("carried over")
 
 
 PIN = """

@@ -3,6 +3,7 @@
 import hashlib
 import pickle
 import tomllib
+from dataclasses import replace
 
 import jsonschema
 import numpy as np
@@ -19,8 +20,9 @@ from checks.columns.column_limits import planes_of, whole_force
 from checks.design.errors import DesignError
 from checks.ladder.part_ladder import Effort
 from checks.part.part_loads import loads_on
+from checks.store.fingerprints import stages_of
 
-from ...geometry.step_files import in_inches, link_file, moved, plate_with, write_step
+from ...geometry.step_files import LINK, in_inches, link_file, moved, plate_with, write_step
 from ..restated import numbers
 
 # a crank of 60 mm that is turned against a slider, with the plate link as its crank
@@ -126,6 +128,42 @@ def test_what_a_part_from_cad_states_arrives_in_millimetres(machine):
     assert shape.holes[0].at == pytest.approx((60, 0, 0))
 
 
+def test_a_part_is_as_thick_as_the_design_says(machine):
+    """Numbers by formula are those of the part drawn so, to what is measured on a mesh: 1e-3."""
+    thicker = read_design(machine, ["parts.crank.thickness=12 mm"])
+    part, drawn = thicker.parts["crank"], read_design(machine).parts["crank"]
+    assert_allclose([face.length for face in part.geometry.placed_interfaces], 12, rtol=1e-9)
+    assert (
+        stages_of(thicker)["crank: geometry"] != stages_of(read_design(machine))["crank: geometry"]
+    )
+    assert drawn.geometry.drawn_sizes == {"thickness": pytest.approx(8)}
+    told = [reason for key, reason in thicker.assumed if key == "parts.crank.shape"]
+    assert any("it is 12 mm thick along its pins; link.step has 8 mm" in said for said in told)
+    found = numbers(check_file(machine, ["parts.crank.thickness=12 mm"], effort=Effort("formula")))
+    write_step(machine.parent / "link.step", replace(LINK, thickness=12).build)
+    wanted = numbers(check_file(machine, effort=Effort("formula")))
+    assert found.keys() == wanted.keys()
+    for key, rows in found.items():
+        assert_allclose([row[0] for row in rows], [row[0] for row in wanted[key]], rtol=1e-3)
+
+
+def test_a_part_that_is_no_plate_keeps_its_thickness(machine):
+    """A pad about one hole: exit code 2 with what was found, not a stretched pad."""
+
+    def pad(gmsh):
+        occ = gmsh.model.occ
+        occ.addBox(-20, -20, 0, 100, 40, 8)
+        occ.fuse([(3, 1)], [(3, occ.addCylinder(60, 0, 8, 0, 0, 12, 15))])
+        occ.cut(
+            [(3, 1)], [(3, occ.addCylinder(x, 0, -1, 0, 0, 30, r)) for x, r in ((0, 5), (60, 6))]
+        )
+
+    write_step(machine.parent / "link.step", pad)
+    read_design(machine)
+    with pytest.raises(DesignError, match=r"parts\.crank\.thickness: .* 3 heights \(0, 8, 20 mm\)"):
+        read_design(machine, ["parts.crank.thickness=9 mm"])
+
+
 def test_parts_of_one_file_may_be_like_one_another(machine):
     machine.write_text(
         machine.read_text().replace('mass = "0.2 kg"\ninertia = "5e-4 kg m2"\n', "")
@@ -157,6 +195,8 @@ def test_parts_of_one_file_may_be_like_one_another(machine):
         ("holes.pin.kind=bor", "holes.pin.kind", 'got "bor", did you mean bore?'),
         ("section=24, 0 mm", "section", 'must be above 0 mm both, got "24, 0 mm"'),
         ("width=24 mm", "width", "unknown key, there are"),
+        ("thickness=0 mm", "thickness", "must be above 0 mm"),
+        ("thickness=9 m", "thickness", "is its unit wrong?"),
         ('interfaces={shaft="O"}', "interfaces", "must say at which point pin sits"),
         (
             'interfaces={shaft="O", pn="A"}',
