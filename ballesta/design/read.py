@@ -104,6 +104,9 @@ def _assembled(
     cylinders = cylinders_of(model, forces, materials, problems)
     friction = friction_of("friction", model.friction, model, joints, problems)
     joint_compliance = joint_compliances(model, joints, problems)
+    for name in model.dynamics.cushioned:
+        if name not in pins:
+            problems.add("dynamics.cushioned", no_such("pin", name, pins))
     cycles = cycles_of(Reading(model, sources, problems, forces, joints))
     measured = {}
     if len(bodies) == len(model.bodies):

@@ -49,6 +49,9 @@ _NOTHING = 1e-3  # of a joint's largest force: less is not worth the loads at an
 _TOLD = 0.02
 
 
+_Told = tuple[float, str, str]  # share of the largest force that is added, point, words
+
+
 @dataclass(frozen=True)
 class _Seat:
     """Play that a joint's pin can cross, mm on diameter.
@@ -63,9 +66,10 @@ class _Seat:
 def play_pairs(design: Design, solved: Solved) -> tuple[list[LoadPair], list[tuple[str, str]]]:
     """Loads without and with the hits of every joint that has a fit, and what is assumed of others.
 
-    Of several bores of a joint with fits the largest plays add up.
+    Of several bores of a joint with fits the largest plays add up. Pins that are stated as
+    cushioned hit nothing; an assumption has what they would add.
     """
-    pairs, silent = [], list[tuple[float, str, str]]()
+    pairs, silent, cushioned = [], list[_Told](), list[_Told]()
     for joint in (one for joints in design.joints.values() for one in joints if solved):
         stated = _seat(design, joint, stated=True)
         seat = stated or _seat(design, joint, stated=False)
@@ -79,30 +83,46 @@ def play_pairs(design: Design, solved: Solved) -> tuple[list[LoadPair], list[tup
         }
         added = max((hit.added for own in hits.values() for hit in own), default=0.0)
         most = max(float(np.hypot(*own.reactions[name].force.T).max()) for own in solved.values())
-        if stated is None and added > _TOLD * most:
-            share = added / most
+        told = stated is None or joint.point_b in design.dynamics.cushioned
+        if told and added > _TOLD * most:
             said = f"{number(added)} N on top of its largest force of {number(most)} N"
-            silent.append((share, joint.point_b, said))
-        elif stated is not None and added > _NOTHING * most:
+            (silent if stated is None else cushioned).append((added / most, joint.point_b, said))
+        elif not told and added > _NOTHING * most:
             end = {
                 cycle: loads.with_hits(own, name, hits[cycle], drives[cycle])
                 for cycle, own in solved.items()
             }
             words = f"play of {play:g} mm in {name} {HITS}"
             pairs.append(LoadPair(words, (solved, end)))
-    return pairs, _assumed(silent)
+    return pairs, [*_assumed(silent), *_taken(cushioned)]
 
 
-def _assumed(silent: list[tuple[float, str, str]]) -> list[tuple[str, str]]:
+def _assumed(silent: list[_Told]) -> list[tuple[str, str]]:
     if not silent:
         return []
-    _, point, said = max(silent, key=lambda one: one[0])
-    others = f" (less in {len(silent) - 1} more)" if len(silent) > 1 else ""
     reason = (
-        f"none is stated: pins without play; with {DEFAULT} that of {point} hits its bore by up to "
-        f"{said} where its force reverses{others}: bodies as if rigid, not in the error bars"
+        f"none is stated: pins without play; with {DEFAULT} that of {_worst(silent)}: bodies as if "
+        "rigid, not in the error bars"
     )
     return [("parts.fits", reason)]
+
+
+def _taken(cushioned: list[_Told]) -> list[tuple[str, str]]:
+    if not cushioned:
+        return []
+    names = ", ".join(dict.fromkeys(point for _, point, _ in cushioned))
+    reason = (
+        f"stated of {names}: pins are slowed as they cross their play, and hit nothing; else that "
+        f"of {_worst(cushioned)}"
+    )
+    return [("dynamics.cushioned", reason)]
+
+
+def _worst(told: list[_Told]) -> str:
+    """The pin that hits hardest beside its joint's largest force, in words."""
+    _, point, said = max(told, key=lambda one: one[0])
+    others = f" (less in {len(told) - 1} more)" if len(told) > 1 else ""
+    return f"{point} hits its bore by up to {said} where its force reverses{others}"
 
 
 def _inertia(design: Design, cycle: str) -> float:

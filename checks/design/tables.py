@@ -575,3 +575,10 @@ class DynamicsEntry(Table):
         "whichever is least",
     )
     apply: bool = Field(False, strict=True, description="true: the loads include the vibration")
+    cushioned: list[str] = Field(
+        default_factory=list,
+        description="points whose pins cross their play without a hit as their force reverses: a "
+        "film of oil, a preload or friction slows them; without it hits of pins with a stated fit "
+        "are in the error bars",
+        examples=['["A"]'],
+    )

@@ -140,7 +140,7 @@ def _of_check(
     ways = [
         *_by_drive(result, check, settles),
         *_by_range(check, settles),
-        *_by_play(check, settles),
+        *_by_play(result, check, settles),
     ]
     if part is None:
         ways += _by_forks(result, check, settles)
@@ -235,18 +235,24 @@ def _by_range(check: Check, settles: str) -> Iterator[Way]:
             yield Way(settles, f"{text}{known.status}")
 
 
-def _by_play(check: Check, settles: str) -> Iterator[Way]:
+def _by_play(result: DesignResult, check: Check, settles: str) -> Iterator[Way]:
     """Where the bounds of what pins hit as they cross their play hold the limit."""
     hits = [one for one in check.doubts if one[0].endswith(HITS)]
     known = check.without(hits)
-    if hits and known.status is not Status.UNDECIDED:
-        plays = " and the ".join(words for words, *_ in hits)
-        yield Way(
-            settles,
-            "state closer fits (parts.NAME.fits), or how far joints give way (elastic.joints), for "
-            f"the {plays}: hits are bounds, of rigid bodies on steel; without them it is a "
-            f"{known.status}",
-        )
+    if not hits or known.status is Status.UNDECIDED:
+        return
+    joints = [words.removesuffix(f" {HITS}").rpartition(" in ")[2] for words, *_ in hits]
+    points = ", ".join(f'"{point}"' for point in dict.fromkeys(j.partition(":")[0] for j in joints))
+    text = (
+        f"state that oil, preload or friction slows the pins of {', '.join(joints)} as they cross "
+        "their play (dynamics.cushioned), or closer fits, or how joints give way (elastic.joints): "
+        f"without their hits, bounds of rigid bodies on steel, it is a {known.status}"
+    )
+    if "dynamics.cushioned" in {key for key, _ in result.assumed}:  # the list would be replaced
+        yield Way(settles, text)
+    else:
+        stated = f"dynamics.cushioned=[{points}]"
+        yield Way(settles, text, _with(result, stated), _again(result))
 
 
 def _by_forks(result: DesignResult, check: Check, settles: str) -> Iterator[Way]:

@@ -7,6 +7,8 @@ import pytest
 
 from ballesta.design.read import read_design
 from ballesta.machine.runs import play_pairs, run_machine
+from checks.design.errors import DesignError
+from checks.result.words import number
 from checks.stress.solid_mesh_level import Models
 
 DESIGNS = Path(__file__).parents[3] / "designs"
@@ -49,6 +51,20 @@ def test_a_soft_joint_is_hit_less():
     stiff, *_ = reversed_at("first", 0.05)
     soft, *_ = reversed_at("first", 0.05, 'elastic.joints.B="2 kN/mm"')
     assert soft < 0.2 * stiff
+
+
+def test_a_pin_that_is_cushioned_hits_nothing_and_what_it_would_add_is_told():
+    fit = 'parts.coupler.fits.first="0.05 .. 0.05 mm"'
+    pairs, told = play_pairs(*of_rocker(fit, 'dynamics.cushioned=["B"]'))
+    assert not pairs
+    ((_, silent), (key, reason)) = told
+    assert "H7/f7 that of A hits" in silent  # its own fit is not stated
+    assert key == "dynamics.cushioned"
+    added, *_ = reversed_at("first", 0.05)
+    assert reason.startswith("stated of B: pins are slowed as they cross their play")
+    assert f"that of B hits its bore by up to {number(added)} N on top of" in reason
+    with pytest.raises(DesignError, match=r"dynamics\.cushioned: no pin is named 'Q'"):
+        of_rocker('dynamics.cushioned=["B", "Q"]')
 
 
 def reversed_at(bore, play, *more):

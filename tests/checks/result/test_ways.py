@@ -165,8 +165,10 @@ def test_hits_in_joints_count_where_they_together_hold_the_limit():
     plays = [(f"play of 0.04 mm in {name} as its force reverses", 9.0, 0.0) for name in "AB"]
     loads = replace(BY_MODEL, loads=18.0, model_below=20.0, doubts=tuple(plays))
     way = only(design(part(checks=[loads])))
-    assert way.text.startswith("state closer fits (parts.NAME.fits), or how far joints give way")
-    assert way.text.endswith("without them it is a pass")
+    assert way.text.startswith("state that oil, preload or friction slows the pins of A, B as")
+    assert way.text.endswith("bounds of rigid bodies on steel, it is a pass")
+    assert way.command.endswith('--set \'dynamics.cushioned=["A", "B"]\'')
+    assert not only(design(part(checks=[loads]), assumed=[("dynamics.cushioned", "C")])).command
     assert open_reason(loads) == (
         "the limit lies within what is not known of its loads: play of 0.04 mm in A as its force "
         "reverses and play of 0.04 mm in B as its force reverses"
