@@ -147,6 +147,13 @@ class Check:
             )
         )
 
+    @property
+    def between_positions(self) -> Status:
+        """Status without the part of the numerical bar for peaks between the positions."""
+        if not isfinite(self.numerical):
+            return self.status
+        return replace(self, numerical=max(self.numerical - self.sampling, 0.0)).status
+
     def to_dict(self) -> dict[str, Any]:
         """The check as plain data, infinite bars as None; with its derivation if it has one."""
         names = (name for name in self.__dataclass_fields__ if name != "derivation")

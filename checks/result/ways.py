@@ -141,6 +141,7 @@ def _of_check(
         *_by_drive(result, check, settles),
         *_by_range(check, settles),
         *_by_play(result, check, settles),
+        *_by_positions(check, settles),
     ]
     if part is None:
         ways += _by_forks(result, check, settles)
@@ -253,6 +254,14 @@ def _by_play(result: DesignResult, check: Check, settles: str) -> Iterator[Way]:
     else:
         stated = f"dynamics.cushioned=[{points}]"
         yield Way(settles, text, _with(result, stated), _again(result))
+
+
+def _by_positions(check: Check, settles: str) -> Iterator[Way]:
+    """Where what may lie between the positions of the cycle holds the limit."""
+    known = check.between_positions
+    if known is not Status.UNDECIDED:
+        text = "state more positions of its cycle (cycles.NAME.positions): without what its bar has"
+        yield Way(settles, f"{text} between them it is a {known}")
 
 
 def _by_forks(result: DesignResult, check: Check, settles: str) -> Iterator[Way]:

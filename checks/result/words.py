@@ -288,6 +288,8 @@ def open_reason(check: Check) -> str:
         if why:
             return f"its model error bar is unknown ({why}): a better model may settle it"
         return "its model error bar is infinite (unknown): no mesh settles it"
+    if check.between_positions is not Status.UNDECIDED:
+        return "more positions of its cycle can settle it (cycles.NAME.positions)"
     if check.settled_by_mesh:
         return "a finer mesh can settle it (accuracy, mesh.most_unknowns)"
     doubts = sorted(check.doubts, key=lambda doubt: -(doubt[1] + doubt[2]))

@@ -179,6 +179,18 @@ def test_hits_in_joints_count_where_they_together_hold_the_limit():
     )
 
 
+def test_more_positions_are_asked_for_where_the_bar_between_them_holds_the_limit():
+    """225 + 20 + 2 MPa of 236.7; 18 of them are between the positions, and no mesh narrows that."""
+    check = replace(BY_MESH, numerical=20.0, sampling=18.0, method="formula")
+    way = only(design(part(checks=[check])))
+    assert way.text.startswith("state more positions of its cycle (cycles.NAME.positions): ")
+    assert way.text.endswith("it is a pass")
+    assert open_reason(check).startswith("more positions of its cycle can settle it")
+    little = replace(check, sampling=5.0)
+    assert not any("positions" in way.text for way in ways_out(design(part(checks=[little]))))
+    assert open_reason(little).startswith("a finer mesh")
+
+
 def test_forks_count_where_the_linkage_passes_with_stiff_ones():
     """A share of 0.5 against 1/3; stiff forks leave 0.5 - 0.4 = 0.1, a safety of 10."""
     share = check(kind="buckling", value=0.5, limit=1.0, required=3.0, unit="", numerical=0.0,
