@@ -3,7 +3,7 @@
 from checks.design.data import Part
 from checks.result.derivation import Given, Item, Section, Step
 from checks.strength.fatigue_assessment import FatigueUse
-from checks.strength.part_strength import endurance_of
+from checks.strength.part_strength import endurance_of, equivalent_diameter
 from checks.stress.stress_result import Stressed
 from fatigue.marin import LARGEST_SPECIMEN_LIMIT, LOADS, SURFACES
 
@@ -84,17 +84,17 @@ def _size(part: Part) -> list[Item]:
     found: list[Item] = []
     if len(section) == 1:
         found.append(Given("D", "diameter that is bent", section[0], "mm", "the part's shape"))
-        formula, equation = "0.370*D", "6-24"
+        formula, equation = ("D", "6-20") if part.turns else ("0.370*D", "6-24")
     else:
         found += [
             Given("B", "width that is bent", section[0], "mm", "the part's shape"),
             Given("H", "height that is bent", section[1], "mm", "the part's shape"),
         ]
         formula, equation = "0.808*sqrt(B*H)", "6-25"
-    large = 0.37 * section[0] if len(section) == 1 else 0.808 * (section[0] * section[1]) ** 0.5
-    law = "1.51*d_e^-0.157" if large > 51.0 else "min(1, (d_e/7.62)^-0.107)"
+    law = "1.51*d_e^-0.157" if equivalent_diameter(part) > 51.0 else "min(1, (d_e/7.62)^-0.107)"
+    turning = "turning round in its loads" if part.turns else "not turning"
     return [
         *found,
-        Step("d_e", "equivalent diameter, not turning", formula, "mm", f"{BOOK}, eq. {equation}"),
+        Step("d_e", f"equivalent diameter, {turning}", formula, "mm", f"{BOOK}, eq. {equation}"),
         Step("k_b", "size", law, "", f"{BOOK}, eq. 6-20"),
     ]

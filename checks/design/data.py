@@ -213,6 +213,7 @@ class Part:
     bore_edges: Mapping[str, str] = field(default_factory=dict)
     loose_pin: bool = False  # whether a stated fit leaves a narrower arc than solids compare
     press_fits: Mapping[str, PressFit] = field(default_factory=dict)  # bore -> bush pressed into it
+    turns: bool = False  # of a pin: whether the body it is fixed to turns round in its loads
     fit_assumed: str = ""  # where `clearances` are from if the file states no fit, in words
 
 

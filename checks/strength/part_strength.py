@@ -21,8 +21,8 @@ def endurance_of(part: Part) -> fatigue.EnduranceLimit:
 
     The load factor is for bending where the shape's peaks are local, with a gradient below them,
     and for axial force where the whole section is stressed alike; there no size factor applies
-    (Shigley, 6-20). The part does not turn under its load: the size factor takes an equivalent
-    diameter.
+    (Shigley, 6-20). The size factor takes the diameter of a pin that turns round under its load, so
+    that its whole circumference is bent to both sides, and an equivalent one of all else.
     """
     ultimate, ratio = part.material.ultimate_stress, part.material.endurance_ratio
     specimen = None if ratio is None else ratio * ultimate
@@ -37,17 +37,18 @@ def endurance_of(part: Part) -> fatigue.EnduranceLimit:
     return fatigue.endurance_limit(
         ultimate,
         part.surface,
-        equivalent_diameter=_equivalent_diameter(part),
+        equivalent_diameter=equivalent_diameter(part),
         load="bending",
         reliability=part.reliability,
         specimen_limit=specimen,
     )
 
 
-def _equivalent_diameter(part: Part) -> float:
+def equivalent_diameter(part: Part) -> float:
+    """Diameter of a rotating bar whose most stressed share is as large, mm."""
     section = part.geometry.stressed_section
     if len(section) == 1:
-        return fatigue.round_equivalent_diameter(*section)
+        return section[0] if part.turns else fatigue.round_equivalent_diameter(*section)
     return fatigue.rectangle_equivalent_diameter(*section)
 
 
@@ -55,7 +56,7 @@ def beyond_size_data(part: Part) -> str | None:
     """Assumption of a part's size factor beyond the end of its data; None within them."""
     if part.fkm is not None or part.geometry.stressed_evenly:
         return None
-    diameter, end = _equivalent_diameter(part), LARGEST_SIZE
+    diameter, end = equivalent_diameter(part), LARGEST_SIZE
     if not diameter > end:
         return None
     factor, last = (size_factor(size) for size in (diameter, end))

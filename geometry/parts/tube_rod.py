@@ -111,9 +111,9 @@ class TubeRod(Shape):
         return sqrt((radius + self.fillet) ** 2 - reach**2)
 
     @property
-    def stressed_section(self) -> tuple[float]:
-        """The tube's diameter, mm, for Marin's size factor."""
-        return (self.tube_diameter,)
+    def stressed_section(self) -> tuple[float, float]:
+        """The eyes, diameter and width in mm, for Marin's size factor: larger than the tube."""
+        return (self.eye_diameter, self.eye_width)
 
     @property
     def sections(self) -> tuple[Section, ...]:
