@@ -6,7 +6,7 @@ Engineering 24 (1953) no. 6, start theirs at 40 degrees, where it is longer).
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import ClassVar
 
 import numpy as np
@@ -178,8 +178,12 @@ class AllRound:
         return self.height * lengths
 
 
+@lru_cache(maxsize=4)
 def ligament_all_round(mesh: Mesh, name: str) -> AllRound:
-    """The ligament behind a bore, as the shear planes are on the mesh."""
+    """The ligament behind a bore, as the shear planes are on the mesh.
+
+    Asked for again under every doubt of the loads.
+    """
     outlines = [_outline(mesh, name, level) for level in _levels(mesh, name)]
     interface = mesh.interfaces[name]
     return AllRound(outlines, interface.radius, interface.length)
