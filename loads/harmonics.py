@@ -97,6 +97,7 @@ class CycleResponse:
     damping    ratio, of every mode
     responses  of the softest modes
     columns, signs  (n, count) where each of them is among the modes at each position
+    step       s, the longest between two positions of the cycle
     """
 
     modes: LinkageModes
@@ -105,6 +106,7 @@ class CycleResponse:
     responses: tuple[ModeResponse, ...]
     columns: IntArray
     signs: FloatArray
+    step: float = 0.0
 
 
 def cycle_response(
@@ -151,7 +153,15 @@ def cycle_response(
         responses.append(
             _response(k + 1, cycle.times, values, frequency, damping, rise, largest, back[k])
         )
-    return CycleResponse(found, float(cycle.times[-1]), damping, tuple(responses), columns, signs)
+    return CycleResponse(
+        found,
+        float(cycle.times[-1]),
+        damping,
+        tuple(responses),
+        columns,
+        signs,
+        float(np.diff(cycle.times).max()),
+    )
 
 
 def _response(

@@ -1,5 +1,6 @@
 """The gate on whether a machine's loads may ignore vibration, and what a user reads of it."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -178,10 +179,36 @@ def test_vibration_is_put_on_the_loads_only_where_the_design_asks_for_it():
     on, off = vibration_warnings(asking, cycles, found)
     assert on.startswith("at_10: vibration is on its loads")
     assert off.startswith("at_10_work_10: vibration is NOT on its loads")
-    free, touching = quasi_static_gates(asking, found)
+    free, followed, touching = quasi_static_gates(asking, found)
     assert not free.binding
+    assert followed.binding
+    assert followed.holds
     assert "What it adds is in the loads." in free.meaning
     assert touching.binding
+
+
+def test_vibration_that_is_lost_between_the_positions_is_no_load():
+    """Of the hammer's 5.6 Hz at 10 rad/s 3.5 waves are in a turn; 13 positions have three each.
+
+    Straight between positions dt apart a wave keeps cos(pi f dt) of its size.
+    """
+
+    def gate(positions):
+        overrides = ("dynamics={apply=true}", f"cycles.at_10.positions={positions}")
+        return followed_gate(hammer("at_10", overrides=overrides))
+
+    few = gate(13)
+    assert few.binding
+    assert not few.holds
+    wanted = int(re.search(r"cycles\.at_10\.positions = (\d+) or more", few.meaning)[1])
+    assert gate(wanted).holds
+    assert not gate(wanted // 2).holds
+
+
+def followed_gate(design):
+    found = vibration_of(design, solve_cycles(design, {}))
+    (followed,) = (g for g in quasi_static_gates(design, found) if "between the" in g.name)
+    return followed
 
 
 def test_a_load_that_jumps_is_told_and_overshoots_where_its_rise_is_stated(tmp_path):
