@@ -12,12 +12,12 @@ import numpy as np
 
 from geometry.cad_body import SolidBody
 from geometry.mesh import FloatArray
-from geometry.parts import LeafPack, Pin, PlateLink, PrismaticTube, ToggleBar
+from geometry.parts import Beam, LeafPack, Pin, PlateLink, PrismaticTube, ToggleBar
 from geometry.parts.plate import Plate
 
 _GAUSS_POINTS = 24  # per piece; the pieces are smooth in the root of the distance to their start
 
-ClosedShape = ToggleBar | PrismaticTube | Pin | PlateLink | LeafPack
+ClosedShape = ToggleBar | PrismaticTube | Pin | PlateLink | LeafPack | Beam
 
 
 def closed_body(shape: object) -> SolidBody | None:
@@ -35,6 +35,8 @@ def closed_body(shape: object) -> SolidBody | None:
             return _leaf_pack(shape)
         case Plate():
             return _plate(shape)
+        case Beam():
+            return _beam(shape)
         case _:
             return None
 
@@ -66,6 +68,9 @@ class _Moments:
         second = self.second - self.volume * x**2
         interfaces = {interface.name: interface for interface in shape.placed_interfaces}
         return SolidBody(interfaces, self.volume, np.array([x, 0.0, 0.0]), second, extent)
+
+
+_NOTHING = _Moments(0.0, 0.0, 0.0)
 
 
 def _box(start: float, stop: float, width: float, thickness: float) -> _Moments:
@@ -105,6 +110,29 @@ def _plate(shape: Plate) -> SolidBody:
     centre = np.array([found.centre.real, found.centre.imag, 0.0])
     extent = max(shape.outline.size, thick)
     return SolidBody(interfaces, found.area * thick, centre, found.polar * thick, extent)
+
+
+def _beam(shape: Beam) -> SolidBody:
+    """The profile, and of each hole what the boss adds beside the webs and the hole takes away."""
+    one = shape.form.section
+    start, stop = -shape.overhang, shape.length + shape.overhang
+    volume, first = one.area * (stop - start), one.area * (stop**2 - start**2) / 2
+    along = one.area * (stop**3 - start**3) / 3
+    solid = _Moments(volume, first, along + one.inertia_in_plane * (stop - start))
+    for hole in shape.holes:
+        solid += _disc(hole.at, hole.boss / 2, shape.gaps)
+        solid += _foot(hole.at, hole.boss / 2, shape.fillet) if shape.fillet else _NOTHING
+        solid -= _disc(hole.at, hole.diameter / 2, shape.boss_length)
+    return solid.body(shape, max(stop - start, shape.depth, shape.breadth, shape.boss_length))
+
+
+def _foot(x: float, radius: float, fillet: float) -> _Moments:
+    """The fillets all round both ends of a boss at (x, 0)."""
+    out, weight = _gauss([0.0, fillet])
+    high = fillet - _circle(fillet, out)
+    ring = 4 * pi * (radius + out) * high * weight  # of both
+    volume = float(ring.sum())
+    return _Moments(volume, volume * x, volume * x**2 + float(ring @ (radius + out) ** 2))
 
 
 def _leaf_pack(shape: LeafPack) -> SolidBody:

@@ -10,6 +10,7 @@ from importlib import import_module
 from importlib.metadata import entry_points
 from pkgutil import iter_modules
 
+from geometry.parts.beams import Beam, IBeam, PinHole, RhsBeam
 from geometry.parts.leaf_pack import LeafPack
 from geometry.parts.pin import Pin, Seat
 from geometry.parts.plate_link import PlateLink
@@ -35,10 +36,14 @@ SHAPES: dict[str, type[Shape]] = {shape.name: shape for shape in _found()}
 
 __all__ = [
     "SHAPES",
+    "Beam",
+    "IBeam",
     "LeafPack",
     "Pin",
+    "PinHole",
     "PlateLink",
     "PrismaticTube",
+    "RhsBeam",
     "Seat",
     "Shape",
     "SlottedLever",

@@ -9,7 +9,7 @@ from geometry.cad_body import cad_body
 from geometry.closed_form import closed_body
 from geometry.parts import LeafPack, Pin, PlateLink, PrismaticTube, Seat, TubeRod
 
-from .bars import PRESS_BAR
+from .bars import IPE_160, PRESS_BAR, RHS_120
 
 PIN = Pin(
     seats=(
@@ -55,6 +55,10 @@ SHAPES = {
         length=100.0, width=30.0, thickness=8.0, hole=10.0, second_hole=22.0
     ),
     "leaves": PACK,
+    "hollow beam": RHS_120,
+    "hollow beam without roundings": replace(RHS_120, corner=0.0, fillet=0.0),
+    "I beam": IPE_160,
+    "I beam without fillets": replace(IPE_160, fillet=0.0),
 }
 
 
