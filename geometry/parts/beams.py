@@ -9,13 +9,15 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geometry.bars import Bar, RulingSection, Section, Sections, even
+from geometry.bars import Bar, RulingSection, Section, even
 from geometry.mesh import Interface
 from geometry.parameters import ParameterError, a_length, check_above, check_at_least
 from geometry.parts._plates import bore_at, drill
+from geometry.profiles import Profile, hollow_profile, i_profile
 from geometry.shape import Body, Ligament, Region, Shape, faces_where
 
 _PER_RADIUS = 5.0  # elements along the radius of a bore
+_UNIFY = "Geometry.OCCUnionUnify"
 
 
 @dataclass(frozen=True)
@@ -31,26 +33,6 @@ class PinHole:
     at: float = a_length("place along the beam", given_by="linkage")
     diameter: float = a_length("diameter of the hole")
     boss: float = a_length("outer diameter of the round boss about the hole")
-
-
-@dataclass(frozen=True)
-class Profile:
-    """A beam's profile away from its bosses.
-
-    section    with area and second moments
-    sections   stiffnesses, of which shear areas are those of thin walls
-    shear      1/mm2, shear stress in the middle of its height per N of shear force
-    torque     1/mm3, largest shear stress per N mm of torque
-    warping    mm6, warping constant; 0 where it hardly warps
-    webs       mm, thickness of all webs together
-    """
-
-    section: Section
-    sections: Sections
-    shear: float
-    torque: float
-    warping: float
-    webs: float
 
 
 @dataclass(frozen=True)
@@ -75,7 +57,7 @@ class Beam(Shape):
         check_at_least("fillet", self.fillet, 0)
         if len(self.holes) < 2:
             raise ParameterError("holes", f"needs at least two holes, got {len(self.holes)}")
-        flat = self._flat
+        flat = self.flat
         for hole in self.holes:
             check_above(f"holes.{hole.name}.diameter", hole.diameter, 0)
             check_above(f"holes.{hole.name}.boss", hole.boss, hole.diameter)
@@ -101,8 +83,18 @@ class Beam(Shape):
         raise NotImplementedError
 
     @property
-    def _flat(self) -> float:
+    def flat(self) -> float:
         """Height of the webs between their roundings, mm."""
+        raise NotImplementedError
+
+    @property
+    def web_face(self) -> float:
+        """Height z of a web's face on which the bosses' fillets stand, mm."""
+        raise NotImplementedError
+
+    @property
+    def shoulder(self) -> float:
+        """Thickness of the flat bar whose shoulder a boss's fillet is, mm."""
         raise NotImplementedError
 
     @property
@@ -253,8 +245,9 @@ class Beam(Shape):
         bores = {one.name: bore_at(gmsh, one.at, one.diameter) for one in self.holes}
         feet = [(2, tag) for tag in faces_where(gmsh, lambda _, kind: kind == "Torus")]
         wall = self.thinnest
-        size = max(1.5 * wall, min(3 * wall, min(self.depth, self.breadth) / 6))
-        fine = max(self.fillet / 1.5, wall / 3)
+        rounds = min(one.boss for one in self.holes) / 4
+        size = max(1.5 * wall, min(3 * wall, self.depth / 6, self.breadth / 6, rounds))
+        fine = max(self.fillet / 3, wall / 4)
         return Body(
             surfaces=bores,
             interfaces=self.placed_interfaces,
@@ -328,8 +321,19 @@ class RhsBeam(Beam):
             )
 
     @property
-    def _flat(self) -> float:
+    def flat(self) -> float:
+        """Height of the webs between their roundings, mm."""
         return self.height - 2 * max(self.corner, self.wall)
+
+    @property
+    def web_face(self) -> float:
+        """Height z of a web's face on which the bosses' fillets stand, mm."""
+        return self.width / 2 - self.wall
+
+    @property
+    def shoulder(self) -> float:
+        """Thickness of the flat bar whose shoulder a boss's fillet is, mm: both faces mirrored."""
+        return 2 * self.wall
 
     @property
     def depth(self) -> float:
@@ -353,27 +357,8 @@ class RhsBeam(Beam):
 
     @cached_property
     def form(self) -> Profile:
-        """The profile's properties: exact areas, Bredt's torsion along the walls' middle."""
-        h, w, t = self.height, self.width, self.wall
-        inner = max(self.corner - t, 0.0)
-        outside, inside = rounded(h, w, self.corner), rounded(h - 2 * t, w - 2 * t, inner)
-        area, about_z, about_y = (o - i for o, i in zip(outside, inside, strict=True))
-        middle = (self.corner + inner) / 2 if self.corner else 0.0
-        around = 2 * (h + w - 2 * t) - (8 - 2 * pi) * middle
-        enclosed = (h - t) * (w - t) - (4 - pi) * middle**2
-        torsion = 4 * enclosed**2 * t / around + around * t**3 / 3
-        shear_y, shear_z = (5 / 6 * area * side / (h + w) for side in (h, w))
-        values = (area, about_y, about_z, torsion, shear_y, shear_z)
-        # first moment of the half above y = 0, without the corners' roundings
-        half = (w * h**2 - (w - 2 * t) * (h - 2 * t) ** 2) / 8
-        return Profile(
-            _section("hollow section", area, about_z, about_y, h, w),
-            Sections(*(np.array(value) for value in values)),
-            half / (2 * t * about_z),
-            1 / (2 * enclosed * t),
-            0.0,
-            2 * t,
-        )
+        """The profile's properties."""
+        return hollow_profile(self.height, self.width, self.wall, self.corner)
 
     def _solid(self, gmsh: Any) -> list[tuple[int, int]]:
         occ = gmsh.model.occ
@@ -421,8 +406,19 @@ class IBeam(Beam):
         check_above("boss_width", self.boss_width, self.web + 2 * self.fillet)
 
     @property
-    def _flat(self) -> float:
+    def flat(self) -> float:
+        """Height of the web between its roundings, mm."""
         return self.height - 2 * (self.flange + self.root)
+
+    @property
+    def web_face(self) -> float:
+        """Height z of the web's face, mm."""
+        return self.web / 2
+
+    @property
+    def shoulder(self) -> float:
+        """Thickness of the flat bar whose shoulder a boss's fillet is, mm."""
+        return self.web
 
     @property
     def depth(self) -> float:
@@ -450,33 +446,8 @@ class IBeam(Beam):
 
     @cached_property
     def form(self) -> Profile:
-        """The profile's properties: exact areas, torsion with the circles at web and flanges.
-
-        Torsion constant by El Darwish and Johnston (J. Struct. Div. ASCE 91 (1965) 203) in the form
-        of rolled sections' tables; warping constant of thin flanges, t_f b^3 (h - t_f)^2/24.
-        """
-        h, b, s, f, r = self.height, self.width, self.web, self.flange, self.root
-        inner = h - 2 * f
-        corner, first, second = _spandrel(r)
-        area = 2 * b * f + inner * s + 4 * corner
-        about_z = (b * h**3 - (b - s) * inner**3) / 12
-        about_z += 4 * (corner * inner**2 / 4 - first * inner + second)
-        about_y = (2 * f * b**3 + inner * s**3) / 12
-        about_y += 4 * (corner * s**2 / 4 + first * s + second)
-        circle = ((r + s / 2) ** 2 + (r + f) ** 2 - r**2) / (2 * r + f)
-        torsion = 2 / 3 * (b - 0.63 * f) * f**3 + (h - 2 * f) * s**3 / 3
-        torsion += 2 * s / f * (0.145 + 0.1 * r / f) * circle**4
-        shear_y, shear_z = s * (h - f), 5 / 6 * 2 * b * f
-        values = (area, about_y, about_z, torsion, shear_y, shear_z)
-        half = b * f * (h - f) / 2 + s * inner**2 / 8 + 2 * (corner * inner / 2 - first)
-        return Profile(
-            _section("I section", area, about_z, about_y, h, b),
-            Sections(*(np.array(value) for value in values)),
-            half / (s * about_z),
-            max(s, f) / torsion,
-            f * b**3 * (h - f) ** 2 / 24,
-            s,
-        )
+        """The profile's properties."""
+        return i_profile(self.height, self.width, self.web, self.flange, self.root)
 
     def _solid(self, gmsh: Any) -> list[tuple[int, int]]:
         occ = gmsh.model.occ
@@ -491,35 +462,11 @@ class IBeam(Beam):
             occ.translate(gap, 0, 0, way * (s / 2 + side))
             gaps += gap
         solid, _ = occ.cut(profile, gaps)
+        before = gmsh.option.getNumber(_UNIFY)
+        gmsh.option.setNumber(_UNIFY, 0)  # or both arcs of a root would be one again
         solid, _ = occ.fuse(solid, self._bosses(gmsh))
+        gmsh.option.setNumber(_UNIFY, before)
         return self._filleted(gmsh, list(solid), s / 2)
-
-
-def rounded(height: float, width: float, radius: float) -> tuple[float, float, float]:
-    """Area, mm2, and second moments, mm4, about z and about y of a rectangle with round corners.
-
-    >>> [round(value, 9) for value in rounded(2.0, 2.0, 1.0)]
-    [3.141592654, 0.785398163, 0.785398163]
-    """
-    corner, first, second = _spandrel(radius)
-    h, w = height / 2, width / 2
-    return (
-        height * width - 4 * corner,
-        width * height**3 / 12 - 4 * (corner * h**2 - 2 * h * first + second),
-        height * width**3 / 12 - 4 * (corner * w**2 - 2 * w * first + second),
-    )
-
-
-def _spandrel(radius: float) -> tuple[float, float, float]:
-    """Area between two walls square to each other and a fillet, and its moments from one wall."""
-    r = radius
-    return r**2 * (1 - pi / 4), r**3 * (5 / 6 - pi / 4), r**4 * (1 - 5 * pi / 16)
-
-
-def _section(
-    name: str, area: float, about_z: float, about_y: float, height: float, width: float
-) -> Section:
-    return Section(name, area, about_z, about_y, depth_in_plane=height, depth_out_of_plane=width)
 
 
 def _bar(
@@ -528,9 +475,20 @@ def _bar(
     """A bar along x of a rectangle with round corners."""
     if not radius:
         return [(3, occ.addBox(start, -height / 2, -width / 2, length, height, width))]
-    face = occ.addRectangle(-width / 2, -height / 2, 0, width, height, roundedRadius=radius)
-    occ.rotate([(2, face)], 0, 0, 0, 0, 1, 0, pi / 2)
-    occ.translate([(2, face)], start, 0, 0)
-    made = [one for one in occ.extrude([(2, face)], length, 0, 0) if one[0] == 3]
+    tips: list[list[int]] = []
+    for k in range(4):  # the corners in turn, from that at y, z > 0
+        turn = np.exp(1j * pi / 2 * np.array([k, k + 0.5, k + 1]))
+        side = np.exp(1j * pi / 2 * (k + 0.5))
+        y, z = np.sign(side.real) * (height / 2 - radius), np.sign(side.imag) * (width / 2 - radius)
+        middle = occ.addPoint(start, y, z)
+        tips.append([occ.addPoint(start, y + radius * t.real, z + radius * t.imag) for t in turn])
+        tips[-1].append(middle)
+    curves = []
+    for k, (first, half, last, middle) in enumerate(tips):
+        curves.append(occ.addLine(tips[k - 1][2], first))
+        # two arcs: a quarter of a circle in one element would miss 1 % of its square
+        curves += [occ.addCircleArc(first, middle, half), occ.addCircleArc(half, middle, last)]
+    face = occ.addPlaneSurface([occ.addCurveLoop(curves)])
+    made = occ.extrude([(2, face)], length, 0, 0)
     occ.remove([(2, face)])
-    return made
+    return [one for one in made if one[0] == 3]

@@ -63,17 +63,6 @@ def test_shear_in_the_middle_of_the_height_is_vs_over_it():
     assert plain.shear == pytest.approx(first / (10 * inertia), rel=1e-12)
 
 
-def test_torsion_of_a_square_tube_is_bredts():
-    """Wall 2, 50 mm between middles: J = t a^3 and, for walls by themselves, 4 a t^3/3."""
-    square = replace(
-        RHS_120, height=52.0, width=52.0, wall=2.0, corner=0.0, fillet=0.0,
-        holes=tuple(replace(hole, diameter=10.0, boss=20.0) for hole in HOLES),
-    )  # fmt: skip
-    expected = 2 * 50**3 + 4 * 50 * 2**3 / 3
-    assert float(square.form.sections.torsion) == pytest.approx(expected, rel=1e-12)
-    assert square.form.torque == pytest.approx(1 / (2 * 50**2 * 2), rel=1e-12)
-
-
 def test_bores_have_the_area_of_their_holes():
     """Curved elements follow a cylinder of five elements along its radius to 1e-4."""
     for shape in (RHS_120, IPE_160):
