@@ -1,16 +1,26 @@
-"""Beams with three pins of random proportions and loads, on which their formula is calibrated.
+"""Beams with three pins of random proportions and loads: their formula beside solids.
 
-Each is the one body of the machine of `bench.levers`, pinned to the ground in the middle. The
+    python -m bench.beams [--most 8] [rhs_beam] [i_beam]
+
+Largest stress of the first position by place, solid over formula: outermost fibres, holes, and webs
+about the bosses. The solid is one mesh of a half, without error bars: of a hollow section these
+take the inner corners, along which it is bent, for notches.
+
+Each beam is the one body of the machine of `bench.levers`, pinned to the ground in the middle. The
 numbers are drawn from a Sobol sequence between stated bounds; beams that cannot be built are passed
 over.
 """
 
+import argparse
 import tempfile
+from collections import defaultdict
 from collections.abc import Iterator, Mapping
+from itertools import chain
 from math import cos, exp, log, radians, sin
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from scipy.stats import qmc
 
 from ballesta.design.read import read_design
@@ -18,9 +28,18 @@ from ballesta.machine.solved_cycles import part_masses, solve_cycles
 from bench.levers import MACHINE, REVERSED, SLANT
 from checks.design.data import Design
 from checks.design.errors import DesignError
+from checks.models import shapes
+from checks.part.part_loads import loads_on
+from checks.strength.part_strength import elastic_of
 from checks.stress.solid_mesh_level import Models
+from fem.recovery import von_mises
+from geometry.mesh import FloatArray
+from geometry.parts import Beam
+from geometry.shape import Half
 
 SEED = 20261127
+FINENESS = 0.8
+FIBRES, HOLES, FEET = "fibres", "holes", "feet"
 HEIGHT = 120.0  # mm: all stress is in proportion
 FORCE = 10_000.0  # N
 _BOTH: Mapping[str, tuple[float, float]] = {
@@ -116,3 +135,67 @@ def _beam(shape: str, shares: Mapping[str, float]) -> tuple[Mapping[str, float],
         file.write_text(text)
         design = read_design(file)
     return found | {"reversed": back}, design, solve_cycles(design, part_masses(design, Models()))
+
+
+def _places(beam: Beam, points: FloatArray) -> list[str]:
+    """Where points of a solid count: in a hole, about a boss, or elsewhere; "" in a boss."""
+    found = np.full(len(points), FIBRES)
+    for hole in beam.holes:
+        away = np.hypot(points[:, 0] - hole.at, points[:, 1])
+        found[away < hole.boss / 2 + 2.5 * beam.fillet] = FEET
+        found[away < hole.boss / 2 - 1e-3] = ""
+        found[away < 0.505 * hole.diameter] = HOLES
+    return [str(one) for one in found]
+
+
+def compared(design: Design, cycles: Any) -> tuple[dict[str, float], dict[str, float]]:
+    """Largest stress by place, MPa, of the solid and by formula."""
+    part = design.parts["lever"]
+    loads, beam = loads_on(design, part, cycles), part.geometry
+    model = shapes.model_of(part, loads)
+    assert model is not None
+    assert isinstance(beam, Beam)
+    solved = Models().solutions(Half(beam), FINENESS, elastic_of(part))
+    states, _ = solved.coefficients(
+        loads.wrenches, loads.accelerations, loads.reaches, loads.tilt_held_at
+    )
+    surface = solved.recovery.surface_stress(solved.moved(states[:, :1]))[:, :, 0]
+    own = [
+        FEET if name.startswith("foot") else HOLES if name in beam.interfaces else FIBRES
+        for name in model.places
+    ]
+    history = model.history
+    by_formula = history.basis @ history.coefficients[:, 0]
+    of_solid = _places(beam, solved.mesh.nodes[solved.recovery.points])
+    return _largest(of_solid, surface), _largest(own, by_formula)
+
+
+def _largest(places: list[str], stress: FloatArray) -> dict[str, float]:
+    found: dict[str, float] = defaultdict(float)
+    for place, value in zip(places, von_mises(stress), strict=True):
+        found[place] = max(found[place], float(value))
+    found.pop("", None)
+    return found
+
+
+def main() -> None:
+    """Compare, and print every beam and the medians."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("shapes", nargs="*", default=list(BOUNDS))
+    parser.add_argument("--most", type=int, default=8)
+    options = parser.parse_args()
+    for shape in options.shapes:
+        rows = []
+        for _, design, cycles in drawn_beams(shape, options.most):
+            solid, formula = compared(design, cycles)
+            rows.append([solid[place] / formula[place] for place in (FIBRES, HOLES, FEET)])
+            rows[-1].append(max(solid.values()) / max(formula.values()))
+            told = chain.from_iterable((solid[k], formula[k]) for k in (FIBRES, HOLES, FEET))
+            print(shape, *(f"{value:7.1f}" for value in told), *(f"{r:6.3f}" for r in rows[-1]))
+        ratios = np.array(rows)
+        for name, of in (("median", np.median), ("least", np.min), ("most", np.max)):
+            print(f"{shape} {name:6s}", *(f"{value:6.3f}" for value in of(ratios, axis=0)))
+
+
+if __name__ == "__main__":
+    main()

@@ -131,7 +131,6 @@ SCENES = (
     ),
     Scene("straight", "lever", 40, {}),
     Scene("bent", "lever", 40, {}),
-    Scene("rhs_beam", "lever", 40, {}),
     Scene("i_beam", "lever", 40, {}),
 )
 

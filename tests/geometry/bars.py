@@ -15,8 +15,8 @@ PRESS_BAR = ToggleBar(
 
 HOLES = (
     PinHole("foot", at=0.0, diameter=30.0, boss=50.0),
-    PinHole("head", at=700.0, diameter=30.0, boss=50.0),
-    PinHole("middle", at=300.0, diameter=40.0, boss=65.0),
+    PinHole("head", at=330.0, diameter=30.0, boss=50.0),
+    PinHole("middle", at=150.0, diameter=40.0, boss=65.0),
 )
 RHS_120 = RhsBeam(
     holes=HOLES,
@@ -37,4 +37,29 @@ IPE_160 = IBeam(
     flange=7.4,
     root=9.0,
     boss_width=60.0,
+)
+
+_ENDS = (
+    PinHole("foot", at=0.0, diameter=14.0, boss=26.0),
+    PinHole("head", at=70.0, diameter=14.0, boss=26.0),
+)
+SHORT_RHS = RhsBeam(
+    holes=_ENDS,
+    overhang=20.0,
+    fillet=5.0,
+    height=60.0,
+    width=40.0,
+    wall=6.0,
+    corner=9.0,
+)
+SHORT_I = IBeam(
+    holes=_ENDS,
+    overhang=20.0,
+    fillet=5.0,
+    height=66.0,
+    width=40.0,
+    web=6.0,
+    flange=7.0,
+    root=6.0,
+    boss_width=26.0,
 )

@@ -5,19 +5,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fem.frame_joints import bar_frame
+from fem.unit_solutions import Elastic
 from geometry.cad_body import cad_body
 from geometry.meshing import mesh_shape
 from geometry.parameters import ParameterError
 from geometry.shape import Half, in_unit, sizes_of
+from tests.fem.buckled_frames import frame_buckling
 
-from .bars import HOLES, IPE_160, RHS_120
+from .bars import HOLES, IPE_160, RHS_120, SHORT_I, SHORT_RHS
 from .facets import area
 
 
 def test_the_volume_of_a_hollow_beam_without_roundings_is_that_of_its_boxes_and_tubes():
-    """820 mm of 120 x 60 x 5 mm; each sleeve stands 50 mm free and has its hole over 60 mm."""
+    """450 mm of 120 x 60 x 5 mm; each sleeve stands 50 mm free and has its hole over 60 mm."""
     plain = replace(RHS_120, corner=0.0, fillet=0.0)
-    walls = 820 * (120 * 60 - 110 * 50)
+    walls = 450 * (120 * 60 - 110 * 50)
     sleeves = np.pi / 4 * (2 * 50**2 + 65**2) * 50
     holes = np.pi / 4 * (2 * 30**2 + 40**2) * 60
     assert cad_body(plain).volume == pytest.approx(walls + sleeves - holes, rel=1e-6)
@@ -65,16 +68,16 @@ def test_shear_in_the_middle_of_the_height_is_vs_over_it():
 
 def test_bores_have_the_area_of_their_holes():
     """Curved elements follow a cylinder of five elements along its radius to 1e-4."""
-    for shape in (RHS_120, IPE_160):
+    for shape in (SHORT_RHS, SHORT_I):
         mesh = mesh_shape(Half(shape), fineness=0.5)
-        for hole in HOLES:
+        for hole in shape.holes:
             half = np.pi * hole.diameter * shape.boss_length / 2
             assert area(mesh, mesh.surfaces[hole.name]) == pytest.approx(half, rel=1e-3)
 
 
 def test_a_beam_keeps_its_holes_in_another_unit():
     in_metres = in_unit(RHS_120, 1000.0)
-    assert [hole.at for hole in in_metres.holes] == [0.0, 0.7, 0.3]
+    assert [hole.at for hole in in_metres.holes] == [0.0, 0.33, 0.15]
     assert sizes_of(RHS_120)["holes.middle.boss"] == 65.0
 
 
@@ -103,3 +106,25 @@ def test_what_cannot_be_built_is_refused(shape, change, field, says):
     with pytest.raises(ParameterError, match=says) as caught:
         replace(shape, **change)
     assert caught.value.field == field
+
+
+@pytest.mark.parametrize("shape", [RHS_120, IPE_160], ids=["rhs", "i"])
+def test_a_linkages_beam_buckles_as_eulers_column_that_shears(shape):
+    """Engesser: 1/(1/P + 1/(G A_s)), P = pi^2 E I/L^2, L = 2 m; in the plane and, lower, out of it.
+
+    Untwisted; sixteen members are 1e-4 above.
+    """
+    far = tuple(replace(one, at=2000.0) if one.at == 330.0 else one for one in HOLES)
+    steel, long = Elastic(210e3, 0.3, 7.85e-9), replace(shape, holes=far)
+    bar, one = long.link(0.3), long.form
+    frame = bar_frame(bar, steel, 16)
+    last = 6 * (len(frame.nodes) - 1)
+    for still, inertia, sheared in (
+        (2, one.section.inertia_in_plane, one.sections.shear_area_y),
+        (1, one.section.inertia_out_of_plane, one.sections.shear_area_z),
+    ):
+        ends = [0, 1, 2, 3, last + 1, last + 2, last + 3]
+        held = np.unique([*ends, *range(still, last + 6, 6), *range(3, last + 6, 6)])
+        found = frame_buckling(frame, np.full(len(frame.members), -1.0), held).factors[0]
+        euler = np.pi**2 * 210e3 * inertia / 2000**2
+        assert found == pytest.approx(1 / (1 / euler + 2.6 / (210e3 * float(sheared))), rel=3e-4)
