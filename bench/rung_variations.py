@@ -17,7 +17,6 @@ from scipy.stats import qmc
 from ballesta.design.read import read_design
 from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
-from bench.beams import BOUNDS, drawn_beams
 from bench.levers import TURNS, drawn_levers
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError
@@ -131,7 +130,6 @@ SCENES = (
     ),
     Scene("straight", "lever", 40, {}),
     Scene("bent", "lever", 40, {}),
-    Scene("i_beam", "lever", 40, {}),
 )
 
 
@@ -175,10 +173,11 @@ class Machines:
         return self._solved[name]
 
     def variations(self, scene: Scene) -> Iterator[Variation]:
-        """The part of a scene as it is, then its variations; of levers, beams the random ones."""
-        if scene.design in (*TURNS, *BOUNDS):
-            drawn = drawn_levers if scene.design in TURNS else drawn_beams
-            for number, (numbers, design, cycles) in enumerate(drawn(scene.design, scene.count)):
+        """The part of a scene as it is, then its variations; of levers the random ones."""
+        if scene.design in TURNS:
+            for number, (numbers, design, cycles) in enumerate(
+                drawn_levers(scene.design, scene.count)
+            ):
                 part = design.parts[scene.part]
                 loads = loads_on(design, part, cycles)
                 yield Variation(scene, number, numbers, design, part, loads, cycles)

@@ -273,6 +273,7 @@ class Beam(Shape):
             "width / height": self.breadth / self.depth,
             "web / height": self.form.webs / self.depth,
             "boss / height": max(hole.boss for hole in self.holes) / self.depth,
+            "boss length / web": self.boss_length / self.form.webs,
             "hole / boss": max(hole.diameter / hole.boss for hole in self.holes),
             "fillet / wall": self.fillet / self.thinnest,
             "overhang / boss": self.overhang / max(hole.boss for hole in self.holes),

@@ -5,8 +5,10 @@ import pytest
 
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
+from checks.by_formula import lug_shear_out
 from checks.design.errors import DesignError
 from checks.models import shapes
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.stress.solid_mesh_level import Models
 from fem.recovery import von_mises
@@ -108,6 +110,14 @@ def test_a_hollow_beam_by_formula_is_its_solid(read):
     }
     assert max(largest.values()) == pytest.approx(50.2, rel=0.03)
     assert largest["saddle"] < largest["foot of saddle"] < 50.2
+
+
+def test_a_pin_tears_out_of_the_ring_of_its_boss_whatever_way_it_pulls(read):
+    """14 kN across the beam at the saddle, on two planes of (65 - 40)/2 times 60 mm: 9.33 MPa."""
+    design = read(WALKING_BEAM)
+    loads, _ = modelled(design)
+    (check,) = lug_shear_out.checks(LoadedPart(design, design.parts["arm"], loads))
+    assert check.value == pytest.approx(14000 / (2 * 12.5 * 60), rel=1e-6)
 
 
 def test_buckling_and_sharp_bosses_are_left_to_solids(read):
