@@ -35,7 +35,7 @@ TURNS = {"straight": (0.0, 0.0), "bent": (20.0, 115.0)}  # deg, at the hub
 SLANT = 60.0  # deg, of the end's forces from square to their arms, at most
 REVERSED = (-1.0, 0.4)  # of the given force: its other end over the first
 FORCE = 3000.0  # N
-_TEXT = """\
+MACHINE = """\
 name = "Lever"
 ground = ["O"]
 gravity = "0, 0 m/s2"
@@ -73,6 +73,8 @@ forces = {{ work = {{ over = "lever.angle", at = ["-1 deg", "3 deg"], force = ["
 [duty]
 cycles = {{ turn = 1e6 }}
 [parts.lever]
+"""  # noqa: E501
+_LEVER = """\
 body = "lever"
 shape = {{ lever = ["A", "O", "B"], fillet = "{fillet:.9g} mm" }}
 interfaces = {{ A = "A", O = "O", B = "B" }}
@@ -113,7 +115,7 @@ def _lever(kind: str, shares: Mapping[str, float]) -> tuple[Mapping[str, float],
     first, second = (found[f"{arm} arm / eye"] * EYE for arm in ("first", "second"))
     other, hub = found["second eye / eye"] * EYE, found["hub / eye"] * EYE
     hole = found["hole / eye"] * EYE
-    text = _TEXT.format(
+    text = (MACHINE + _LEVER).format(
         ax=-first, bx=second * cos(turn), by=second * sin(turn),
         dx=sin(slants[0]), dy=cos(slants[0]),
         wx=-sin(turn + slants[1]), wy=cos(turn + slants[1]),

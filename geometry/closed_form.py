@@ -13,6 +13,7 @@ import numpy as np
 from geometry.cad_body import SolidBody
 from geometry.mesh import FloatArray
 from geometry.parts import (
+    Beam,
     LeafPack,
     Pin,
     PlateLink,
@@ -25,7 +26,7 @@ from geometry.parts.plate import Plate
 
 _GAUSS_POINTS = 24  # per piece; the pieces are smooth in the roots of the distances to their ends
 
-ClosedShape = ToggleBar | PrismaticTube | Pin | PlateLink | LeafPack | SlottedLever | TubeRod
+ClosedShape = ToggleBar | PrismaticTube | Pin | PlateLink | LeafPack | SlottedLever | TubeRod | Beam
 
 
 def closed_body(shape: object) -> SolidBody | None:
@@ -47,6 +48,8 @@ def closed_body(shape: object) -> SolidBody | None:
             return _slotted_lever(shape)
         case TubeRod():
             return _tube_rod(shape)
+        case Beam():
+            return _beam(shape)
         case _:
             return None
 
@@ -83,6 +86,9 @@ class _Moments:
         second = self.second - self.volume * x**2
         interfaces = {interface.name: interface for interface in shape.placed_interfaces}
         return SolidBody(interfaces, self.volume, np.array([x, 0.0, 0.0]), second, extent)
+
+
+_NOTHING = _Moments(0.0, 0.0, 0.0)
 
 
 def _box(start: float, stop: float, width: float, thickness: float) -> _Moments:
@@ -138,9 +144,7 @@ def _slotted_lever(shape: SlottedLever) -> SolidBody:
     if shape.boss_diameter is not None:
         radius, fillet = shape.boss_diameter / 2, shape.boss_fillet
         solid += _disc(shape.length, radius, 2 * shape.boss_height)
-        feet = 2 * (_fillet(radius, fillet, 0.0, 1.0) - _cylinder(radius, 0.0, fillet))
-        along = shape.length
-        solid += _Moments(feet[0], feet[0] * along, feet[2] + feet[0] * along**2)
+        solid += _foot(shape.length, radius, fillet) if fillet else _NOTHING
     for interface in shape.placed_interfaces:
         if interface.kind == "bore":
             solid -= _disc(float(interface.centre[0]), interface.radius, interface.length)
@@ -178,6 +182,29 @@ def _tube_rod(shape: TubeRod) -> SolidBody:
     one -= _disc(0.0, shape.hole / 2, shape.eye_width)
     solid = one + one.mirrored(shape.length)
     return solid.body(shape, shape.length + shape.eye_diameter)
+
+
+def _beam(shape: Beam) -> SolidBody:
+    """The profile, and of each hole what the boss adds beside the webs and the hole takes away."""
+    one = shape.form.section
+    start, stop = -shape.overhang, shape.length + shape.overhang
+    volume, first = one.area * (stop - start), one.area * (stop**2 - start**2) / 2
+    along = one.area * (stop**3 - start**3) / 3
+    solid = _Moments(volume, first, along + one.inertia_in_plane * (stop - start))
+    for hole in shape.holes:
+        solid += _disc(hole.at, hole.boss / 2, shape.gaps)
+        solid += _foot(hole.at, hole.boss / 2, shape.fillet) if shape.fillet else _NOTHING
+        solid -= _disc(hole.at, hole.diameter / 2, shape.boss_length)
+    return solid.body(shape, max(stop - start, shape.depth, shape.breadth, shape.boss_length))
+
+
+def _foot(x: float, radius: float, fillet: float) -> _Moments:
+    """The fillets all round both ends of a boss at (x, 0)."""
+    out, weight = _gauss([0.0, fillet])
+    high = fillet - _circle(fillet, out)
+    ring = 4 * pi * (radius + out) * high * weight  # of both
+    volume = float(ring.sum())
+    return _Moments(volume, volume * x, volume * x**2 + float(ring @ (radius + out) ** 2))
 
 
 def _leaf_pack(shape: LeafPack) -> SolidBody:

@@ -81,10 +81,10 @@ def faces_where(gmsh: Any, test: Callable[[Any, str], bool]) -> list[int]:
 class Ligament:
     """Material behind a hole: mm2 in one shear plane, and the name of its other side.
 
-    direction  unit vector in the part's axes in which a force on the part tears it
+    direction  unit vector in the part's axes in which a force on the part tears it; None: any
     """
 
-    direction: tuple[float, float]
+    direction: tuple[float, float] | None
     area: float
     until: str
 
@@ -395,6 +395,9 @@ def _sizes(shape: Any) -> Iterator[tuple[str, float]]:
         if parameter.name == "seats":
             for index, seat in enumerate(value):
                 yield from ((f"stack[{index}].{key}", size) for key, size in _sizes(seat))
+        elif parameter.name == "holes":
+            for hole in value:
+                yield from ((f"holes.{hole.name}.{key}", size) for key, size in _sizes(hole))
         elif parameter.metadata.get("dimension") == "length":
             many = value if isinstance(value, tuple) else (value,)
             for index, size in enumerate(many):
@@ -485,8 +488,8 @@ def _changed(shape: Any, change: Callable[[float], float]) -> Any:
         name, value = parameter.name, getattr(shape, parameter.name)
         if name == "whole":
             changed[name] = _changed(value, change)
-        elif name == "seats":
-            changed[name] = tuple(_changed(seat, change) for seat in value)
+        elif name in ("seats", "holes"):
+            changed[name] = tuple(_changed(one, change) for one in value)
         elif parameter.metadata.get("dimension") == "length" and value is not None:
             many = isinstance(value, tuple)
             changed[name] = tuple(change(one) for one in value) if many else change(value)

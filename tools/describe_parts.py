@@ -17,10 +17,14 @@ from geometry.outlines import Contour, PlateOutline
 from geometry.parameters import GIVEN_BY_DESIGN, GIVEN_BY_LINKAGE
 from geometry.parts import (
     SHAPES,
+    Beam,
+    IBeam,
     LeafPack,
     Pin,
+    PinHole,
     PlateLink,
     PrismaticTube,
+    RhsBeam,
     Seat,
     SlottedLever,
     ToggleBar,
@@ -38,12 +42,28 @@ def plate_of(outline: PlateOutline, eyes: Sequence[Eye], thickness: float) -> Pl
 ROOT = Path(__file__).parent.parent
 PAGE = ROOT / "docs" / "parts.md"
 PICTURES = PAGE.parent / "parts"
+_HOLES = (PinHole("A", at=0.0, diameter=20.0, boss=34.0),
+          PinHole("C", at=230.0, diameter=20.0, boss=34.0),
+          PinHole("B", at=100.0, diameter=26.0, boss=44.0))  # fmt: skip
 # Short and thick, so that a small picture shows them; and how fine each is meshed for it.
 DRAWN: dict[str, tuple[Any, float]] = {
     "toggle_bar": (
         ToggleBar(
             length=170, width=80, wall=6.3, hole=44, overhang=40, inner_radius=3,
             cutout_length=56, cutout_corner=5,
+        ),
+        0.45,
+    ),
+    "rhs_beam": (
+        RhsBeam(
+            holes=_HOLES, overhang=30, fillet=3, height=80, width=44, wall=5, corner=9,
+        ),
+        0.45,
+    ),
+    "i_beam": (
+        IBeam(
+            holes=_HOLES, overhang=30, fillet=3, height=96, width=60, web=5, flange=8, root=8,
+            boss_width=44,
         ),
         0.45,
     ),
@@ -155,7 +175,9 @@ def _described(name: str, shape: type[Any]) -> str:
     lines += ["| Interface | Kind | What happens there | Surfaces |", "| --- | --- | --- | --- |"]
     for interface in _interfaces(example):
         surfaces = ", ".join(f"`{surface}`" for surface in interface.surfaces)
-        label = interface.name if shape.interfaces else f"a seat, such as {interface.name}"
+        label = interface.name
+        if not shape.fixed_interfaces():
+            label = f"a {'seat' if shape is Pin else 'hole'}, such as {interface.name}"
         lines.append(f"| {label} | {interface.kind} | {KINDS[interface.kind]} | {surfaces} |")
     lines += ["", *_table(shape)]
     if shape is Pin:
@@ -165,6 +187,8 @@ def _described(name: str, shape: type[Any]) -> str:
             "",
             *_table(Seat),
         ]
+    if issubclass(shape, Beam):
+        lines += ["", "Each of its holes, in the table `holes`:", "", *_table(PinHole)]
     factors = ", ".join(f"{value:g} at `{where}`" for where, value in example.notch_factors.items())
     lines += ["", f"Fatigue notch factor, unless stated: {factors}."] if factors else []
     return "\n".join([*lines, ""])

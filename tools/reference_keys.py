@@ -16,6 +16,7 @@ from pydantic_core import PydanticUndefined
 
 from checks.design.measured_entry import Unit
 from checks.design.model import (
+    BeamPartEntry,
     BodyPartEntry,
     DesignFile,
     PartEntry,
@@ -45,6 +46,7 @@ PARTS = {  # heading -> model, whose keys stand in addition to those of the one 
     "parts.NAME of a body": BodyPartEntry,
     "parts.NAME from a STEP file": StepPartEntry,
     "parts.NAME of a lever or a drawn plate": PlatePartEntry,
+    "parts.NAME of a beam": BeamPartEntry,
     "parts.NAME of a pin": PinPartEntry,
 }
 _BOUNDS = ((Gt, "gt", "above"), (Ge, "ge", "at least"), (Lt, "lt", "below"), (Le, "le", "at most"))
@@ -79,6 +81,7 @@ def _keys_above(model: type[BaseModel]) -> set[str]:
         PinPartEntry: PartEntry,
         StepPartEntry: BodyPartEntry,
         PlatePartEntry: BodyPartEntry,
+        BeamPartEntry: BodyPartEntry,
     }
     return set(above[model].model_fields) if model in above else set()
 

@@ -7,12 +7,24 @@ from typing import Any
 
 import loads
 from ballesta.design.files import Sources
-from ballesta.design.plate_parts import plate_geometry, shape_name, step_geometry
+from ballesta.design.plate_parts import (
+    beam_geometry,
+    plate_geometry,
+    shape_name,
+    step_geometry,
+)
 from ballesta.design.press_fits import with_press_fits
 from checks.design.data import Part, Roller, Weld
 from checks.design.errors import LINKAGE, DesignError, Problems, listed, no_such
 from checks.design.materials import Material, known_materials
-from checks.design.model import BodyPartEntry, DesignFile, PlatePartEntry, StepPartEntry, WeldEntry
+from checks.design.model import (
+    BeamPartEntry,
+    BodyPartEntry,
+    DesignFile,
+    PlatePartEntry,
+    StepPartEntry,
+    WeldEntry,
+)
 from checks.design.stacks import check_stacks
 from checks.design.strength import FkmStrength, fkm_of
 from checks.handbook.fits import clearances_of
@@ -21,7 +33,7 @@ from checks.result.words import clipped
 from geometry.bars import Walls
 from geometry.mesh import Interface
 from geometry.parameters import GIVEN_BY_DESIGN, GIVEN_BY_LINKAGE, ParameterError
-from geometry.parts import SHAPES, Pin, Seat
+from geometry.parts import SHAPES, Beam, Pin, Seat
 from geometry.shape import Shape, check_sizes, key_of
 
 _STEEL = (185e3, 220e3)  # MPa, Young's modulus of steels
@@ -122,7 +134,11 @@ def _of_detail(stated: WeldEntry, walls: Walls) -> tuple[float, str]:
     return category, f"{STANDARD}, {row.where}"
 
 
-_WITH_HOLES = (StepPartEntry, PlatePartEntry)  # whose interfaces are holes that the entry names
+_WITH_HOLES = (
+    StepPartEntry,
+    PlatePartEntry,
+    BeamPartEntry,
+)  # whose interfaces are holes that the entry names
 SLIDING = ("contact", "slot")  # interfaces of shapes on which a slot or guide of the linkage runs
 _LONGEST = 200  # bytes of a name: systems allow 255 for a file, with its suffix
 _SHOWN = 40  # letters of a name that is longer
@@ -492,6 +508,10 @@ def _sits_in_joint(
 
 def _geometry(entry: Any, bodies: Mapping[str, loads.Body]) -> Shape:
     shape = SHAPES[entry.shape]
+    if issubclass(shape, Beam):
+        beam = beam_geometry(shape, entry, bodies[entry.body].points)
+        check_sizes(beam)
+        return beam
     values: dict[str, Any] = {}
     for parameter in dataclasses.fields(shape):
         given_by = parameter.metadata.get("given_by")

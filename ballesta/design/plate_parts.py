@@ -3,22 +3,26 @@
 A part of a STEP file is made from the file and from where the linkage has its holes.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+import dataclasses
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import combinations
 from math import atan2, cos, sin
 from typing import Any
 
 from ballesta.design.files import Sources
 from checks.design.data import Pair, Part
 from checks.design.errors import listed, no_such
-from checks.design.model import PlatePartEntry, StepPartEntry
+from checks.design.model import BeamPartEntry, PlatePartEntry, StepPartEntry
 from checks.design.step_entry import KINDS
 from geometry.drawings import DrawingError, Drawn
 from geometry.dxf_file import UNITS, read_dxf, read_svg_path
 from geometry.outlines import OutlineError
-from geometry.parameters import MOST_CAD, ParameterError, read_bounded
+from geometry.parameters import GIVEN_BY_DESIGN, MOST_CAD, ParameterError, read_bounded
+from geometry.parts import Beam, PinHole
 from geometry.parts.plate import Eye, Plate, PlateBore, lever_outline
 from geometry.parts.step_part import NamedHole, StepPart
 
+_ASIDE = 1e-6  # of a beam's length: how far a pin may stand beside its middle line
 _MOST_TOLD = 20  # holes in one message
 _BELONGS = {  # keys of the shape's table and of a hole, and the kinds that they belong to
     "fillet": ("lever",),
@@ -112,6 +116,47 @@ def _lever(entry: PlatePartEntry, points: Mapping[str, Pair]) -> Plate:
         raise ParameterError(field, error.problem) from None
     bores = tuple(PlateBore(eye.name, eye.hole, (eye.centre.real, eye.centre.imag)) for eye in eyes)
     return Plate(outline, bores, entry.thickness)
+
+
+def beam_geometry(shape: type[Beam], entry: BeamPartEntry, points: Mapping[str, Pair]) -> Beam:
+    """Return a beam with its pins where the linkage has them, the outermost two first.
+
+    points  of the body, mm
+
+    Raises ParameterError for pins beside the line from one end to the other.
+    """
+    at = {name: points[entry.interfaces[name]] for name in entry.holes}
+
+    def apart(pair: tuple[str, str]) -> float:
+        (a, b), (c, d) = (at[name] for name in pair)
+        return round(abs(complex(a - c, b - d)), 9)
+
+    first, last = max(combinations(at, 2), key=apart)
+    places = {
+        name: _rounded(complex(*from_frame(at[first], at[last], place)))
+        for name, place in at.items()
+    }
+    length = places[last].real
+    for name, place in places.items():
+        if abs(place.imag) > _ASIDE * length:
+            raise ParameterError(
+                f"interfaces.{name}",
+                f"sits {abs(place.imag):.6g} mm beside the line from {first} to {last}: a beam is "
+                "straight; a `lever` may bend",
+            )
+    between = sorted((n for n in at if n not in (first, last)), key=lambda n: places[n].real)
+    holes = tuple(
+        PinHole(name, at=places[name].real, diameter=one.diameter, boss=one.boss)
+        for name in (first, last, *between)
+        for one in (entry.holes[name],)
+    )
+    stated = (
+        field.name
+        for field in dataclasses.fields(shape)
+        if field.metadata.get("given_by") == GIVEN_BY_DESIGN
+    )
+    make: Callable[..., Beam] = shape
+    return make(holes=holes, **{name: getattr(entry, name) for name in stated})
 
 
 def _rounded(place: complex) -> complex:

@@ -80,7 +80,10 @@ def _pull(wrench: FloatArray, ligament: "Ligament | AllRound") -> tuple[FloatArr
     force = wrench[:, :2]
     if isinstance(ligament, AllRound):
         return np.hypot(*force.T), ligament.areas(np.arctan2(force[:, 1], force[:, 0]))
-    pull = np.maximum(force @ np.array(ligament.direction), 0.0)
+    if ligament.direction is None:
+        pull = np.hypot(*force.T)
+    else:
+        pull = np.maximum(force @ np.array(ligament.direction), 0.0)
     return pull, np.full(len(pull), ligament.area)
 
 

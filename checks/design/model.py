@@ -13,6 +13,7 @@ from checks.design.materials import MaterialEntry
 from checks.design.measured_entry import MeasuredEntry
 from checks.design.step_entry import (
     STEP_SUFFIXES,
+    BeamHoleEntry,
     HoleEntry,
     PlateHoleEntry,
     PlateShapeEntry,
@@ -56,7 +57,7 @@ from checks.design.units import (
 )
 from checks.handbook.weld_details import PARTIAL_FACTOR, DetailName
 from geometry.parameters import GIVEN_BY_DESIGN
-from geometry.parts import SHAPES, Pin
+from geometry.parts import SHAPES, Beam, Pin
 from geometry.shape import Shape
 
 SafetyKey = Literal["static", "buckling", "fatigue", "bush"]  # the keys of Requirements
@@ -331,6 +332,16 @@ class PlatePartEntry(BodyPartEntry):
     )
 
 
+class BeamPartEntry(BodyPartEntry):
+    """A straight beam of a profile with any number of pins on its middle line.
+
+    Its interfaces are holes that the entry names; the points of the linkage say where they are. The
+    outermost hole that is named first is the origin of the part's frame.
+    """
+
+    holes: dict[Name, BeamHoleEntry] = Field(min_length=2, description="interface = its hole")
+
+
 class PinPartEntry(PartEntry):
     """A part that joins bodies at a point."""
 
@@ -352,7 +363,9 @@ def shape_model(name: str, shape: type[Shape]) -> type[PartEntry]:
                 description=parameter.metadata["meaning"],
             ),
         )
-    base = PinPartEntry if shape is Pin else BodyPartEntry
+    base: type[PartEntry] = BeamPartEntry if issubclass(shape, Beam) else BodyPartEntry
+    if shape is Pin:
+        base = PinPartEntry
     model: type[PartEntry] = create_model(shape.__name__ + "Part", __base__=base, **own)
     model.__doc__ = shape.__doc__
     return model

@@ -147,6 +147,13 @@ class PlateHoleEntry(Table):
     layer: str | None = Field(None, description="dxf: layer that the hole stands on")
 
 
+class BeamHoleEntry(Table):
+    """A hole of a beam in which a pin sits, in a round boss."""
+
+    diameter: PositiveLength = Field(description="diameter of the hole")
+    boss: PositiveLength = Field(description="outer diameter of the round boss about the hole")
+
+
 def is_plate(shape: Any) -> bool:
     """True for what a design file may mean as a plate's shape."""
     if isinstance(shape, str):

@@ -9,7 +9,7 @@ from geometry.cad_body import cad_body
 from geometry.closed_form import closed_body
 from geometry.parts import LeafPack, Pin, PlateLink, PrismaticTube, Seat, SlottedLever, TubeRod
 
-from .bars import PRESS_BAR
+from .bars import IPE_160, PRESS_BAR, RHS_120
 
 PIN = Pin(
     seats=(
@@ -82,6 +82,10 @@ SHAPES = {
     "slotted lever with square ends": replace(LEVER, overhang=25.0),
     "slotted lever with a boss": BOSSED,
     "boss without fillet": replace(BOSSED, boss_fillet=0.0, overhang=None),
+    "hollow beam": RHS_120,
+    "hollow beam without roundings": replace(RHS_120, corner=0.0, fillet=0.0),
+    "I beam": IPE_160,
+    "I beam without fillets": replace(IPE_160, fillet=0.0),
 }
 
 

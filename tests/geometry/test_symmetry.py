@@ -22,6 +22,7 @@ from geometry.parts import (
 from geometry.shape import Body, Half, has_middle_plane
 from geometry.sizing import SizeField, element_sizes
 
+from .bars import SHORT_I, SHORT_RHS
 from .facets import area
 
 LINK = PlateLink(length=60, width=20, thickness=8, hole=8, second_hole=12)
@@ -50,6 +51,8 @@ MIRRORED = {
         boss_height=6,
         boss_fillet=3.0,
     ),
+    "rhs_beam": SHORT_RHS,
+    "i_beam": SHORT_I,
     "tube_rod": TubeRod(
         length=150, tube_diameter=20, wall=2.5, eye_diameter=36, eye_width=20, hole=14, fillet=4
     ),

@@ -1,0 +1,155 @@
+"""Beams of a profile with pins in bosses, by formula."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from checks.design.data import Part
+from checks.handbook.boss_in_plate import FIELDS, BossInPlate, boss_in_plate
+from checks.handbook.lug_stress import stepped_bar
+from checks.handbook.pin_loaded_hole import PATTERNS
+from checks.models.formula_bars import BarPart, SectionForces, Stretches
+from checks.models.formula_lugs import ANGLES, bore_columns
+from checks.models.formula_points import XX, XY, YY, Points
+from checks.part.part_loads import PartLoads
+from checks.stress.stress_result import RungModel
+from geometry.bars import fine_cells
+from geometry.mesh import FloatArray
+from geometry.parts import Beam, PinHole
+
+_PLANE = [XX, YY, XY]
+_STATIONS = 9  # between two pins
+_BESIDE = 1e-9  # of the length: on one side of a pin
+
+
+def stress(part: Part, shape: Beam, loads: PartLoads) -> RungModel | None:
+    """Fibres of the profile from pin to pin, and bosses as thick rings in their webs.
+
+    None for bosses without a fillet, where the elastic stress has no bound.
+    """
+    if not shape.fillet:
+        return None
+    places = {hole.name: hole.at for hole in shape.holes}
+    whole = BarPart.of(part, loads, places, _stretches(shape), shape.length)
+    sections = SectionForces(whole.points, whole.forces)
+    row = sorted(shape.holes, key=lambda hole: hole.at)
+    for one, other in pairwise(row):
+        _add_fibres(whole.points, shape, sections, one, other)
+    for hole in row:
+        _add_boss(whole.points, part, shape, loads, sections, hole)
+    return whole.model(
+        local=lambda: None,  # thin walls may buckle before the beam does
+        neglects="that a boss is near to flanges and ends; bending of the walls across themselves; "
+        "sleeves that bend between the webs",
+    )
+
+
+def _stretches(shape: Beam) -> Stretches:
+    """The profile's cells, bosses and holes in their area."""
+    ends = [-shape.overhang, shape.length + shape.overhang]
+    for hole in shape.holes:
+        ends += [hole.at - hole.boss / 2, hole.at + hole.boss / 2]
+    cuts = fine_cells(np.unique(ends), 160)
+    x, form = (cuts[1:] + cuts[:-1]) / 2, shape.form
+    area = np.full(len(x), form.section.area)
+    for hole in shape.holes:
+        area += shape.gaps * _chord(hole.boss, x - hole.at)
+        area -= shape.boss_length * _chord(hole.diameter, x - hole.at)
+    ones = np.ones(len(x))
+    return Stretches(
+        cuts,
+        area,
+        ones * form.section.inertia_in_plane,
+        ones * form.section.inertia_out_of_plane,
+        ones * form.sections.torsion,
+    )
+
+
+def _chord(diameter: float, x: FloatArray) -> FloatArray:
+    return np.asarray(2 * np.sqrt(np.maximum(diameter**2 / 4 - x**2, 0.0)))
+
+
+def _add_fibres(
+    points: Points, shape: Beam, sections: SectionForces, one: PinHole, other: PinHole
+) -> None:
+    """Add the profile's outermost fibres and its webs', from one pin to the next."""
+    aside = _BESIDE * shape.length
+    places = np.linspace(one.at + aside, other.at - aside, _STATIONS)
+    columns, forces = sections.at(places)
+    form = shape.form
+    y = np.array([0.5, 0.0, -0.5]) * shape.depth
+    y = np.concatenate([y, np.array([0.5, -0.5]) * shape.flat])
+    webs = np.array([0.0, 1.0, 0.0, 1.0, 1.0])
+    stress = np.zeros((len(places), len(y), 6, len(columns)))
+    stress[:, :, XX] = forces.axial[:, None] / form.section.area
+    stress[:, :, XX] -= y[:, None] / form.section.inertia_in_plane * forces.moment_z[:, None]
+    stress[:, :, XY] = webs[:, None] * form.shear * forces.shear[:, None]
+    at = np.column_stack(
+        [np.repeat(places, len(y)), np.tile(y, len(places)),
+         np.tile(webs * shape.web_face, len(places))]
+    )  # fmt: skip
+    name = f"{one.name} to {other.name}"
+    points.add_block(name, at, columns, stress.reshape(len(at), 6, -1))
+
+
+def _add_boss(
+    points: Points,
+    part: Part,
+    shape: Beam,
+    loads: PartLoads,
+    sections: SectionForces,
+    hole: PinHole,
+) -> None:
+    """Add the rim of a hole, and the web at the fillet about its boss.
+
+    The web has what the beam passes on, the mean of both sides of the pin, and what the pin's force
+    adds in a wide plate. At the fillet its stress is raised as at the shoulder of a flat bar.
+    """
+    form, thick = shape.form, shape.boss_length
+    found = boss_in_plate(
+        hole.diameter / 2, hole.boss / 2, thick, form.webs, part.material.poisson_ratio
+    )
+    aside = _BESIDE * shape.length
+    passed, forces = sections.at(hole.at + aside * np.array([-1.0, 1.0]))
+    area, inertia = form.section.area, form.section.inertia_in_plane
+    fields = np.stack(
+        [forces.axial / area, -forces.moment_z / inertia, form.shear * forces.shear]
+    ).mean(axis=1)
+    rim = hole.diameter / 2 * np.exp(1j * ANGLES)
+    foot = (hole.boss / 2 + shape.fillet) * np.exp(1j * ANGLES)
+    raised = stepped_bar("tension", thick, shape.shoulder, shape.fillet)
+    on_rim, passing = _of(found, rim, fields, ring=True)
+    at_foot, beside = (_across(one, raised) for one in _of(found, foot, fields, ring=False))
+    columns, patterns = bore_columns(
+        points, part, loads, hole.name, on_rim[:, _PLANE], ANGLES, thick,
+        (passed, passing[:, _PLANE]),
+    )  # fmt: skip
+    for name, arms, z, own, past in (
+        (hole.name, rim, 0.0, on_rim, passing),
+        (f"foot of {hole.name}", foot, shape.web_face, at_foot, beside),
+    ):
+        at = np.column_stack([hole.at + arms.real, arms.imag, np.full(len(arms), z)])
+        stress = np.concatenate([own[:, :, patterns], past], axis=2)
+        points.add_block(name, at, [*columns, *passed], stress)
+
+
+def _across(stress: FloatArray, raised: float) -> FloatArray:
+    """Stress (k, 6, columns) at the angles with its part across the fillet raised."""
+    c, s = np.cos(ANGLES)[:, None], np.sin(ANGLES)[:, None]
+    more = stress[:, XX] * c**2 + stress[:, YY] * s**2 + 2 * stress[:, XY] * s * c
+    more *= raised - 1
+    found = stress.copy()
+    found[:, XX] += more * c**2
+    found[:, YY] += more * s**2
+    found[:, XY] += more * s * c
+    return found
+
+
+def _of(
+    found: BossInPlate, arms: np.ndarray, fields: FloatArray, *, ring: bool
+) -> tuple[FloatArray, FloatArray]:
+    """Stress (k, 6, columns) of the pin's patterns, and of the fields (3, columns)."""
+    plane = found.at(arms, ring=ring)
+    full = np.zeros((len(arms), 6, len(PATTERNS) + len(FIELDS)))
+    full[:, _PLANE] = plane
+    return full[:, :, : len(PATTERNS)], full[:, :, len(PATTERNS) :] @ fields
