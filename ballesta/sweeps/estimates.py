@@ -13,6 +13,7 @@ from ballesta.sweeps.screen import Screened, Screening
 from checks.design.data import Design
 from checks.design.materials import known_materials
 from checks.ladder.leaf_checks import LeafBand
+from checks.models.checked import BUCKLING
 from checks.result.verdict import Change, Check, DesignResult, Status
 
 LINKAGE = "linkage"  # name of its checks' part
@@ -28,7 +29,8 @@ class Estimates:
     """Formula estimates of a design's variations, set against its result.
 
     open       parts that do not pass
-    lightened  where all pass: the parts of the heaviest shapes, as many as are wanted
+    lightened  where all pass: the parts of the heaviest shapes, as many as are wanted, but for
+               those of whose buckling no formula tells
     base       the formula's checks of the one or the other, as they are
     """
 
@@ -65,6 +67,10 @@ class Estimates:
         self._unjudged: set[str] = set()  # parts whose stress no formula judges as they are
         self.lightened = () if self.open else self._heaviest(shapes)
         self.base = self._compare(self.open or self.lightened)
+        told = {_name(check) for check in self.base.checks}
+        blind = {part for part, kind, quantity in self._known
+                 if kind == BUCKLING and (part, kind, quantity) not in told}  # fmt: skip
+        self.lightened = tuple(part for part in self.lightened if part not in blind)
 
     def _heaviest(self, shapes: int | None) -> tuple[str, ...]:
         """Parts of the heaviest shapes: a part that is like another shares its shape."""

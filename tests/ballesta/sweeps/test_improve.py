@@ -149,6 +149,18 @@ def test_a_line_that_the_file_does_not_have_is_not_written(file, need, capsys):
     assert file.read_text(encoding="utf-8") == text
 
 
+def test_a_part_of_whose_buckling_no_formula_tells_is_made_no_lighter(file):
+    """As beams, whose formula has no buckling: a solid's check of it says nothing of thin walls."""
+    design = read_design(file)
+    result = check_design(design, effort=FORMULA)
+    assert Estimates(design, result).lightened == ("rod",)
+    (part,) = result.parts
+    share = next(check for check in part.checks if check.kind == "buckling")
+    by_solid = replace(share, quantity="share that no formula has")
+    more = replace(result, parts=[replace(part, checks=[*part.checks, by_solid])])
+    assert Estimates(design, more).lightened == ()
+
+
 @pytest.mark.slow
 def test_a_saving_with_which_the_linkage_would_buckle_goes_only_as_far_as_it_holds():
     """Links of 22 mm would do with 14 mm, but the jack as a whole has 6.61 of 5.7.
