@@ -137,12 +137,15 @@ def _plate(shape: Plate) -> SolidBody:
     return SolidBody(interfaces, found.area * thick, centre, found.polar * thick, extent)
 
 
-def _slotted_lever(shape: SlottedLever) -> SolidBody:
+def _slotted_lever(shape: SlottedLever) -> SolidBody | None:
+    """None where the slot's round end cuts into the boss."""
     outline = _stadium if shape.overhang is None else _box
     solid = outline(-shape.beyond, shape.length + shape.beyond, shape.width, shape.thickness)
     solid -= _stadium(shape.slot_from, shape.slot_to, shape.slot_width, shape.thickness)
     if shape.boss_diameter is not None:
         radius, fillet = shape.boss_diameter / 2, shape.boss_fillet
+        if shape.slot_to > shape.length - radius - fillet:
+            return None
         solid += _disc(shape.length, radius, 2 * shape.boss_height)
         solid += _foot(shape.length, radius, fillet) if fillet else _NOTHING
     for interface in shape.placed_interfaces:

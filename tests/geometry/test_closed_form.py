@@ -135,5 +135,11 @@ def test_a_straight_rod_is_what_a_hand_adds_up():
     assert closed_body(rod).volume == pytest.approx(2 * (ball - cap) + tube - bore, rel=1e-12)
 
 
+def test_a_boss_that_the_slot_cuts_into_is_left_to_the_kernel():
+    """Quick return's lever: its slot ends 3 mm inside of the boss, 0.8 % of the volume."""
+    assert closed_body(replace(BOSSED, slot_to=300.0 - 20.0 - 3.0)) is not None
+    assert closed_body(replace(BOSSED, slot_to=300.0 - 20.0 - 2.9)) is None
+
+
 def test_a_shape_without_closed_form_is_left_to_the_kernel():
     assert closed_body(object()) is None
