@@ -125,6 +125,7 @@ def test_the_thickness_of_a_part_from_cad_is_swept(tmp_path, none_known):
         assert abs(check["value"] - other["value"]) <= check["numerical"] + other["numerical"]
 
 
+@pytest.mark.slow
 def test_a_carried_mesh_is_all_that_a_part_from_cad_is_meshed_for(
     tmp_path, none_known, monkeypatch
 ):
