@@ -132,6 +132,9 @@ def _size(equivalent_diameter: float | None, load: str) -> float:
     return 1.0 if load == "axial" else factor
 
 
+ROTATING_AREA = 0.0766  # with 95 % of the largest stress, over d^2, of a bar that rotates (6-22)
+
+
 def round_equivalent_diameter(diameter: float) -> float:
     """Return 0.370 d, mm, of a round bar in bending that does not rotate, eq. (6-24)."""
     _above_zero("diameter", diameter, "mm")

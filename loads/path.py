@@ -401,7 +401,12 @@ def _traced_anew(kinematics: Kinematics, coordinate: Coordinate, low: float, hig
     knots = [(start, pose, _tangent(kinematics, coordinate, start, pose))]
     for end in (low, high):
         if (end < start) == (end == low) and abs(end - start) > 1e-13 * scale:
-            knots += _walk(kinematics, coordinate, knots[0], end)
+            try:
+                knots += _walk(kinematics, coordinate, knots[0], end)
+            except LinkageError as error:
+                if low - 1e-9 * scale <= start <= high + 1e-9 * scale:
+                    raise
+                raise LinkageError(f"{error}{_turns_away(coordinate, end, start)}") from error
     knots.sort(key=lambda knot: knot[0])
     if len(knots) == 1:
         raise LinkageError(f"{coordinate.label} does not change: {low:g} to {high:g}")
@@ -449,8 +454,7 @@ def _walk(kinematics: Kinematics, coordinate: Coordinate, knot: _Knot, end: floa
         if following is None:
             share /= 2.0
             if share < _SMALLEST_STEP:
-                stopped = _stopped(kinematics, coordinate, pose, end, value)
-                raise LinkageError(f"{stopped}{_turns_away(coordinate, end, end - total)}")
+                raise _stopped(kinematics, coordinate, pose, end, value)
             continue
         knots.append(following)
         before, knot = knot, following

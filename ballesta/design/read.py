@@ -6,7 +6,7 @@ Inside ballesta a `Design` is trusted: names exist, quantities are finite and in
 import dataclasses
 import math
 import types
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Union, get_args, get_origin
@@ -114,8 +114,6 @@ def _assembled(
     events = events_of(model, cycles, problems)
     duty = duty_of(model, problems)
     parts = parts_of(model, bodies, pins, joints, materials, sources, problems)
-    round_ones = _turning(cycles.values())
-    parts = {name: replace(part, turns=part.fixed_to in round_ones) for name, part in parts.items()}
     for name, part in parts.items():
         if part.fkm is not None and duty.life == "finite":
             problems.add(
@@ -194,18 +192,6 @@ def _assembled(
         cylinders=cylinders,
     )
     return replace(design, cycles=split_cycles(design))
-
-
-def _turning(cycles: Iterable[Cycle]) -> set[str]:
-    """Bodies whose angle to the ground a cycle leads round a full turn."""
-    found = set()
-    for cycle in cycles:
-        match cycle.run.coordinate:
-            case loads.Angle(body=body, relative_to=loads.GROUND):
-                angles = [cycle.run.start, *(phase.stop for phase in cycle.run.phases)]
-                if max(angles) - min(angles) > 2 * math.pi * (1 - 1e-9):
-                    found.add(body)
-    return found
 
 
 def _stated(value: Any, way: tuple[str | int, ...]) -> Iterator[tuple[str, str]]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import acos, ceil, cos, pi
+from math import acos, ceil, cos, inf, pi
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from checks.part.part_loads import shown_name, shown_position
 from checks.result.verdict import Gate
 from checks.result.words import number
 from loads.harmonics import (
-    SAMPLES,
     CycleResponse,
     Harmonic,
     ModeResponse,
@@ -26,6 +25,7 @@ _LIMIT = 1.2
 _SHARE = 0.05  # of the linkage's deformation: modes below it count by their share only
 _TOLD_SUM = 1.01  # over the worst deviation: less is not told to be a sum
 _LOST = 0.05  # of the largest deformation: waves of vibration between the positions
+_MOST_POSITIONS = 20_000  # of a cycle
 _PLACES = 12  # positions whose frequencies are told
 _ON_AXIS = 1e-2  # of a body's length
 
@@ -228,7 +228,7 @@ def quasi_static_gates(design: Design, found: Mapping[str, CycleVibration]) -> l
                 binding=not applied,
             )
         )
-        if applied and vibration.response is not None:
+        if applied and vibration.response is not None and vibration.response.responses:
             gates.append(_followed_gate(name, vibration.response))
     return gates
 
@@ -236,28 +236,36 @@ def quasi_static_gates(design: Design, found: Mapping[str, CycleVibration]) -> l
 def _followed_gate(name: str, response: CycleResponse) -> Gate:
     """Gate of vibration that is on the loads: its waves must not be lost between the positions.
 
-    Loads are straight between them, so a wave of the frequency f keeps cos(pi f dt) of its size.
+    Loads are straight between them, so a wave of the frequency f keeps cos(pi f dt) of its size;
+    and so is the response between the moments at which it is solved.
     """
-    samples, positions = response.period / SAMPLES, len(response.modes.frequencies)
+    positions = len(response.modes.frequencies)
 
     def lost(mode: ModeResponse, step: float) -> float:
         return _counted(mode) * (1.0 - cos(pi * min(mode.highest * step, 1.0)))
 
-    step = max(response.step, samples)
-    worst = max(response.responses, key=lambda mode: lost(mode, step))
-    value = lost(worst, step)
-    per_period = 1.0 / (worst.highest * step)
+    def moments(mode: ModeResponse) -> float:
+        return float(mode.times[1] - mode.times[0])
+
+    def both(mode: ModeResponse) -> float:
+        return lost(mode, response.step) + lost(mode, moments(mode))
+
+    worst = max(response.responses, key=both)
+    value = both(worst)
     told = (
-        f"mode {worst.mode}, up to {number(worst.highest)} Hz, has {number(per_period)} positions "
-        "in its period where they lie farthest apart, between which its waves are lost"
+        f"mode {worst.mode}, up to {number(worst.highest)} Hz, has "
+        f"{number(1.0 / (worst.highest * response.step))} positions in its period where they lie "
+        "farthest apart, between which its waves are lost"
     )
     if value > _LOST:
-        wanted = acos(1.0 - min(_LOST / _counted(worst), 2.0)) / (pi * worst.highest)
+        left = _LOST - lost(worst, moments(worst))
+        step = acos(1.0 - min(max(left, 0.0) / _counted(worst), 2.0)) / (pi * worst.highest)
+        count = ceil(1.1 * positions * response.step / step) if step else inf
         told += (
-            f". State cycles.{name}.positions = {ceil(1.1 * positions * step / wanted)} or more"
-            if wanted > samples
-            else f". {SAMPLES} moments of a cycle are solved, too few for it: state a longer "
-            "dynamics.rise, if loads rise so, or leave dynamics.apply out"
+            f". State cycles.{name}.positions = {count} or more"
+            if count <= _MOST_POSITIONS
+            else ". It is too fast for the moments or the positions that a cycle can have: state a "
+            "longer dynamics.rise, if loads rise so, or leave dynamics.apply out"
         )
     return Gate(f"{name}: vibration between the positions", value, _LOST, told)
 

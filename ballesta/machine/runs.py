@@ -86,7 +86,8 @@ def play_pairs(design: Design, solved: Solved) -> tuple[list[LoadPair], list[tup
         told = stated is None or joint.point_b in design.dynamics.cushioned
         if told and added > _TOLD * most:
             said = f"{number(added)} N on top of its largest force of {number(most)} N"
-            (silent if stated is None else cushioned).append((added / most, joint.point_b, said))
+            of = cushioned if joint.point_b in design.dynamics.cushioned else silent
+            of.append((added / most, joint.point_b, said))
         elif not told and added > _NOTHING * most:
             end = {
                 cycle: loads.with_hits(own, name, hits[cycle], drives[cycle])
@@ -94,7 +95,7 @@ def play_pairs(design: Design, solved: Solved) -> tuple[list[LoadPair], list[tup
             }
             words = f"play of {play:g} mm in {name} {HITS}"
             pairs.append(LoadPair(words, (solved, end)))
-    return pairs, [*_assumed(silent), *_taken(cushioned)]
+    return pairs, [*_assumed(silent), *_taken(design.dynamics.cushioned, cushioned)]
 
 
 def _assumed(silent: list[_Told]) -> list[tuple[str, str]]:
@@ -107,14 +108,12 @@ def _assumed(silent: list[_Told]) -> list[tuple[str, str]]:
     return [("parts.fits", reason)]
 
 
-def _taken(cushioned: list[_Told]) -> list[tuple[str, str]]:
-    if not cushioned:
+def _taken(stated: Sequence[str], cushioned: list[_Told]) -> list[tuple[str, str]]:
+    if not stated:
         return []
-    names = ", ".join(dict.fromkeys(point for _, point, _ in cushioned))
-    reason = (
-        f"stated of {names}: pins are slowed as they cross their play, and hit nothing; else that "
-        f"of {_worst(cushioned)}"
-    )
+    worst = f"; else that of {_worst(cushioned)}" if cushioned else ""
+    names = ", ".join(stated)
+    reason = f"stated of {names}: pins are slowed as they cross their play, and hit nothing{worst}"
     return [("dynamics.cushioned", reason)]
 
 

@@ -5,7 +5,13 @@ from checks.result.derivation import Given, Item, Section, Step
 from checks.strength.fatigue_assessment import FatigueUse
 from checks.strength.part_strength import endurance_of, equivalent_diameter
 from checks.stress.stress_result import Stressed
-from fatigue.marin import LARGEST_SPECIMEN_LIMIT, LOADS, SURFACES
+from fatigue.marin import (
+    LARGEST_SPECIMEN_LIMIT,
+    LOADS,
+    ROTATING_AREA,
+    SURFACES,
+    round_equivalent_diameter,
+)
 
 BOOK = "Shigley, 9th ed."
 
@@ -84,7 +90,11 @@ def _size(part: Part) -> list[Item]:
     found: list[Item] = []
     if len(section) == 1:
         found.append(Given("D", "diameter that is bent", section[0], "mm", "the part's shape"))
-        formula, equation = ("D", "6-20") if part.turns else ("0.370*D", "6-24")
+        formula, equation = "0.370*D", "6-24"
+        if equivalent_diameter(part) > round_equivalent_diameter(*section):
+            said = "area with 95 % of the largest amplitude, over D^2"
+            found.append(Given("A_95", said, part.bent_area, "", "the pin's forces over the cycle"))
+            formula, equation = f"sqrt(A_95/{ROTATING_AREA:g})*D", "6-22"
     else:
         found += [
             Given("B", "width that is bent", section[0], "mm", "the part's shape"),
@@ -92,7 +102,7 @@ def _size(part: Part) -> list[Item]:
         ]
         formula, equation = "0.808*sqrt(B*H)", "6-25"
     law = "1.51*d_e^-0.157" if equivalent_diameter(part) > 51.0 else "min(1, (d_e/7.62)^-0.107)"
-    turning = "turning round in its loads" if part.turns else "not turning"
+    turning = "not turning" if equation in ("6-24", "6-25") else "its load goes round it"
     return [
         *found,
         Step("d_e", f"equivalent diameter, {turning}", formula, "mm", f"{BOOK}, eq. {equation}"),

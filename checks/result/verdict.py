@@ -137,14 +137,11 @@ class Check:
 
     @property
     def settled_by_mesh(self) -> bool:
-        """True if a smaller numerical bar could still change an UNDECIDED verdict."""
+        """True if a mesh's smaller bar could still change an UNDECIDED verdict."""
         return (
             self.status is Status.UNDECIDED
             and isfinite(self.numerical)
-            and not (
-                (self.value + self.model) * self.required > self.limit
-                and (self.value - self.below) * self.required <= self.limit
-            )
+            and replace(self, numerical=self.sampling).status is not Status.UNDECIDED
         )
 
     @property

@@ -1,12 +1,14 @@
 """Strength of a part: its elasticity, its endurance limit, and the assessment of its fatigue."""
 
+from math import sqrt
+
 import fatigue
 from checks.design.data import Duty, Part
 from checks.design.errors import DesignError
 from checks.part.loaded_part import LoadedPart
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse
 from checks.strength.finite_life import LifeTask, why_no_curve
-from fatigue.marin import LARGEST_SIZE, size_factor
+from fatigue.marin import LARGEST_SIZE, ROTATING_AREA, size_factor
 from fem.unit_solutions import Elastic
 
 
@@ -21,8 +23,8 @@ def endurance_of(part: Part) -> fatigue.EnduranceLimit:
 
     The load factor is for bending where the shape's peaks are local, with a gradient below them,
     and for axial force where the whole section is stressed alike; there no size factor applies
-    (Shigley, 6-20). The size factor takes the diameter of a pin that turns round under its load, so
-    that its whole circumference is bent to both sides, and an equivalent one of all else.
+    (Shigley, 6-20). The size factor takes an equivalent diameter; of a pin it grows up to the whole
+    diameter as its load goes round it (`checks.part.loaded_part.bent_area`).
     """
     ultimate, ratio = part.material.ultimate_stress, part.material.endurance_ratio
     specimen = None if ratio is None else ratio * ultimate
@@ -48,7 +50,10 @@ def equivalent_diameter(part: Part) -> float:
     """Diameter of a rotating bar whose most stressed share is as large, mm."""
     section = part.geometry.stressed_section
     if len(section) == 1:
-        return section[0] if part.turns else fatigue.round_equivalent_diameter(*section)
+        return max(
+            fatigue.round_equivalent_diameter(*section),
+            sqrt(part.bent_area / ROTATING_AREA) * section[0],
+        )
     return fatigue.rectangle_equivalent_diameter(*section)
 
 

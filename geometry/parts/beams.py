@@ -166,6 +166,20 @@ class Beam(Shape):
         return (self.form.section,) if len(self.holes) == 2 else ()
 
     @property
+    def told(self) -> Sequence[str]:
+        """What is not judged of it: sentences for the report."""
+        said = [
+            "its bosses are taken as one piece with the webs: where they are welded in, their "
+            "welds and root gaps are not judged, and decide its fatigue"
+        ]
+        if len(self.holes) > 2:
+            said.append(
+                "no column formula judged it, so yield was not checked by one: it has a pin "
+                "between its outermost ones"
+            )
+        return said
+
+    @property
     def bending(self) -> tuple[float, float, str]:
         """Second moment in the plane, mm4, area, mm2, and what it is of, in words."""
         one = self.form.section

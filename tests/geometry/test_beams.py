@@ -75,6 +75,16 @@ def test_bores_have_the_area_of_their_holes():
             assert area(mesh, mesh.surfaces[hole.name]) == pytest.approx(half, rel=1e-3)
 
 
+def test_what_no_check_of_a_beam_sees_is_told():
+    """Welds of its bosses; of one with a pin in between a column as well, which one of two has."""
+    welds, column = RHS_120.told
+    assert "their welds and root gaps are not judged" in welds
+    assert "no column formula judged it" in column
+    two = replace(RHS_120, holes=RHS_120.holes[:2])
+    assert two.told == [welds]
+    assert two.sections
+
+
 def test_a_beam_keeps_its_holes_in_another_unit():
     in_metres = in_unit(RHS_120, 1000.0)
     assert [hole.at for hole in in_metres.holes] == [0.0, 0.33, 0.15]
