@@ -167,7 +167,7 @@ class Beam(Shape):
 
     @property
     def told(self) -> Sequence[str]:
-        """What is not judged of it: sentences for the report."""
+        """Notes on checks that it does not have: sentences for the report."""
         said = [
             "its bosses are taken as one piece with the webs: where they are welded in, their "
             "welds and root gaps are not judged, and decide its fatigue"
