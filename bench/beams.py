@@ -15,19 +15,18 @@ import argparse
 import tempfile
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
+from functools import partial
 from itertools import chain
 from math import cos, exp, log, radians, sin
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import qmc
 
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
-from bench.levers import MACHINE, REVERSED, SLANT
+from bench.levers import MACHINE, REVERSED, SLANT, Drawn, drawn
 from checks.design.data import Design
-from checks.design.errors import DesignError
 from checks.models import shapes
 from checks.part.part_loads import loads_on
 from checks.strength.part_strength import elastic_of
@@ -88,25 +87,13 @@ _PROFILES = {
 }
 
 
-def drawn_beams(shape: str, most: int) -> Iterator[tuple[Mapping[str, float], Design, Any]]:
+def drawn_beams(shape: str, most: int) -> Iterator[Drawn]:
     """Numbers, design and solved cycles of beams of a shape that can be built."""
-    bounds = BOUNDS[shape]
-    names = [*bounds, "slant at A", "slant at B", "reversed"]
-    draws = qmc.Sobol(len(names), seed=SEED)
-    made = 0
-    for _ in range(8 * most):
-        shares = dict(zip(names, (float(x) for x in draws.random()[0]), strict=True))
-        try:
-            numbers, design, cycles = _beam(shape, shares)
-        except DesignError:
-            continue
-        made += 1
-        yield numbers, design, cycles
-        if made == most:
-            return
+    names = [*BOUNDS[shape], "slant at A", "slant at B", "reversed"]
+    return drawn(names, most, SEED, partial(_beam, shape))
 
 
-def _beam(shape: str, shares: Mapping[str, float]) -> tuple[Mapping[str, float], Design, Any]:
+def _beam(shape: str, shares: Mapping[str, float]) -> Drawn:
     found = {
         name: exp(log(low) + shares[name] * (log(high) - log(low)))
         for name, (low, high) in BOUNDS[shape].items()

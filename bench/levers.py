@@ -6,7 +6,8 @@ sequence between stated bounds; levers that cannot be drawn are passed over.
 """
 
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from math import cos, exp, log, radians, sin
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from checks.design.data import Design
 from checks.design.errors import DesignError
 from checks.stress.solid_mesh_level import Models
 
+Drawn = tuple[Mapping[str, float], Design, Any]
 SEED = 20261125
 EYE = 40.0  # mm, of the first end: all stress is in proportion
 BOUNDS: Mapping[str, tuple[float, float]] = {
@@ -86,24 +88,31 @@ bearing_arc = "90 deg"
 """  # noqa: E501
 
 
-def drawn_levers(kind: str, most: int) -> Iterator[tuple[Mapping[str, float], Design, Any]]:
+def drawn_levers(kind: str, most: int) -> Iterator[Drawn]:
     """Numbers, design and solved cycles of levers, "straight" or "bent", that can be drawn."""
     names = [*BOUNDS, "turn", "slant at A", "slant at B", "reversed"]
-    draws = qmc.Sobol(len(names), seed=SEED)
+    return drawn(names, most, SEED, partial(_lever, kind))
+
+
+def drawn(
+    names: Sequence[str], most: int, seed: int, make: Callable[[Mapping[str, float]], Drawn]
+) -> Iterator[Drawn]:
+    """Scenes made of shares by name, from 0 to 1 (Sobol), as far as they can be drawn."""
+    draws = qmc.Sobol(len(names), seed=seed)
     made = 0
     for _ in range(8 * most):
         shares = dict(zip(names, (float(x) for x in draws.random()[0]), strict=True))
         try:
-            numbers, design, cycles = _lever(kind, shares)
+            found = make(shares)
         except DesignError:
             continue
         made += 1
-        yield numbers, design, cycles
+        yield found
         if made == most:
             return
 
 
-def _lever(kind: str, shares: Mapping[str, float]) -> tuple[Mapping[str, float], Design, Any]:
+def _lever(kind: str, shares: Mapping[str, float]) -> Drawn:
     found = {
         name: exp(log(low) + shares[name] * (log(high) - log(low)))
         for name, (low, high) in BOUNDS.items()

@@ -198,7 +198,7 @@ def _beam(shape: Beam) -> SolidBody:
         solid += _disc(hole.at, hole.boss / 2, shape.gaps)
         solid += _foot(hole.at, hole.boss / 2, shape.fillet) if shape.fillet else _NOTHING
         solid -= _disc(hole.at, hole.diameter / 2, shape.boss_length)
-    return solid.body(shape, max(stop - start, shape.depth, shape.breadth, shape.boss_length))
+    return solid.body(shape, max(stop - start, shape.height, shape.width, shape.boss_length))
 
 
 def _foot(x: float, radius: float, fillet: float) -> _Moments:

@@ -15,16 +15,12 @@ class Profile:
     section    with area and second moments
     sections   stiffnesses, of which shear areas are those of thin walls
     shear      1/mm2, shear stress in the middle of its height per N of shear force
-    torque     1/mm3, largest shear stress per N mm of torque
-    warping    mm6, warping constant; 0 where it hardly warps
     webs       mm, thickness of all webs together
     """
 
     section: Section
     sections: Sections
     shear: float
-    torque: float
-    warping: float
     webs: float
 
 
@@ -49,8 +45,6 @@ def hollow_profile(height: float, width: float, wall: float, corner: float) -> P
         _section("hollow section", area, about_z, about_y, h, w),
         Sections(*(np.array(value) for value in values)),
         half / (2 * t * about_z),
-        1 / (2 * enclosed * t),
-        0.0,
         2 * t,
     )
 
@@ -58,8 +52,8 @@ def hollow_profile(height: float, width: float, wall: float, corner: float) -> P
 def i_profile(height: float, width: float, web: float, flange: float, root: float) -> Profile:
     """I section, mm: exact areas, torsion with the circles at web and flanges.
 
-    Torsion constant by El Darwish and Johnston (J. Struct. Div. ASCE 91 (1965) 203) in the form of
-    rolled sections' tables; warping constant of thin flanges, t_f b^3 (h - t_f)^2/24.
+    The torsion constant adds to thin strips the circles inscribed where web and flanges meet; its
+    source was not opened, and the printed 0.70 cm4 of IPE 80 is what it has.
     """
     h, b, s, f, r = height, width, web, flange, root
     inner = h - 2 * f
@@ -79,8 +73,6 @@ def i_profile(height: float, width: float, web: float, flange: float, root: floa
         _section("I section", area, about_z, about_y, h, b),
         Sections(*(np.array(value) for value in values)),
         half / (s * about_z),
-        max(s, f) / torsion,
-        f * b**3 * (h - f) ** 2 / 24,
         s,
     )
 

@@ -77,7 +77,7 @@ def _add_fibres(
     places = np.linspace(one.at + aside, other.at - aside, _STATIONS)
     columns, forces = sections.at(places)
     form = shape.form
-    y = np.array([0.5, 0.0, -0.5]) * shape.depth
+    y = np.array([0.5, 0.0, -0.5]) * shape.height
     y = np.concatenate([y, np.array([0.5, -0.5]) * shape.flat])
     webs = np.array([0.0, 1.0, 0.0, 1.0, 1.0])
     stress = np.zeros((len(places), len(y), 6, len(columns)))

@@ -1,5 +1,6 @@
 """Straight beams of a rolled or hollow profile, with pins anywhere along their middle line."""
 
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -47,6 +48,8 @@ class Beam(Shape):
     middle_plane: ClassVar[bool] = True
 
     holes: tuple[PinHole, ...]
+    height: float = a_length("outer height, in the linkage's plane")
+    width: float = a_length("outer width, out of that plane")
     overhang: float = a_length("from the outermost pins' axes to the beam's ends")
     fillet: float = a_length(
         "radius where the bosses meet the webs; 0 is a sharp edge", default=0.0
@@ -78,39 +81,29 @@ class Beam(Shape):
         for hole in (row[0], row[-1]):
             check_above("overhang", self.overhang, self._foot(hole))
 
+    @abstractmethod
     def _check_profile(self) -> None:
         """Raise ParameterError for a profile that cannot be drawn."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def flat(self) -> float:
         """Height of the webs between their roundings, mm."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def web_face(self) -> float:
         """Height z of a web's face on which the bosses' fillets stand, mm."""
-        raise NotImplementedError
 
     @property
+    @abstractmethod
     def shoulder(self) -> float:
         """Thickness of the flat bar whose shoulder a boss's fillet is, mm."""
-        raise NotImplementedError
 
     @property
-    def depth(self) -> float:
-        """Height of the profile, along y, mm."""
-        raise NotImplementedError
-
-    @property
-    def breadth(self) -> float:
-        """Width of the profile, along z, mm."""
-        raise NotImplementedError
-
-    @property
+    @abstractmethod
     def boss_length(self) -> float:
         """Length of the bosses along z, mm."""
-        raise NotImplementedError
 
     @property
     def gaps(self) -> float:
@@ -118,18 +111,18 @@ class Beam(Shape):
         return self.boss_length - self.form.webs
 
     @property
+    @abstractmethod
     def thinnest(self) -> float:
         """Thinnest wall, mm."""
-        raise NotImplementedError
 
-    @cached_property
+    @property
+    @abstractmethod
     def form(self) -> Profile:
         """The profile's properties."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _solid(self, gmsh: Any) -> list[tuple[int, int]]:
         """Build profile and bosses with their fillets, holes left out."""
-        raise NotImplementedError
 
     def _foot(self, hole: PinHole) -> float:
         """Radius at which a boss with its fillet ends, mm."""
@@ -148,7 +141,7 @@ class Beam(Shape):
     @property
     def stressed_section(self) -> tuple[float, float]:
         """The profile's outline, height and width in mm, for Marin's size factor."""
-        return (self.depth, self.breadth)
+        return (self.height, self.width)
 
     @property
     def ruling_sections(self) -> tuple[RulingSection, ...]:
@@ -260,7 +253,7 @@ class Beam(Shape):
         feet = [(2, tag) for tag in faces_where(gmsh, lambda _, kind: kind == "Torus")]
         wall = self.thinnest
         rounds = min(one.boss for one in self.holes) / 4
-        size = max(1.5 * wall, min(3 * wall, self.depth / 6, self.breadth / 6, rounds))
+        size = max(1.5 * wall, min(3 * wall, self.height / 6, self.width / 6, rounds))
         fine = max(self.fillet / 3, wall / 4)
         return Body(
             surfaces=bores,
@@ -284,14 +277,14 @@ class Beam(Shape):
         """Walls, bosses and holes over the height, the shortest stretch too."""
         row = sorted(hole.at for hole in self.holes)
         return {
-            "width / height": self.breadth / self.depth,
-            "web / height": self.form.webs / self.depth,
-            "boss / height": max(hole.boss for hole in self.holes) / self.depth,
+            "width / height": self.width / self.height,
+            "web / height": self.form.webs / self.height,
+            "boss / height": max(hole.boss for hole in self.holes) / self.height,
             "boss length / web": self.boss_length / self.form.webs,
             "hole / boss": max(hole.diameter / hole.boss for hole in self.holes),
             "fillet / wall": self.fillet / self.thinnest,
             "overhang / boss": self.overhang / max(hole.boss for hole in self.holes),
-            "length / height": min(b - a for a, b in pairwise(row)) / self.depth,
+            "length / height": min(b - a for a, b in pairwise(row)) / self.height,
         }
 
 
@@ -305,8 +298,6 @@ class RhsBeam(Beam):
 
     name: ClassVar[str] = "rhs_beam"
 
-    height: float = a_length("outer height, in the linkage's plane")
-    width: float = a_length("outer width, out of that plane")
     wall: float = a_length("wall thickness")
     corner: float = a_length(
         "outer radius of the corners: about 1.5 walls hot finished, 2 to 3 cold formed; the inner "
@@ -351,16 +342,6 @@ class RhsBeam(Beam):
         return 2 * self.wall
 
     @property
-    def depth(self) -> float:
-        """Outer height, mm."""
-        return self.height
-
-    @property
-    def breadth(self) -> float:
-        """Outer width, mm."""
-        return self.width
-
-    @property
     def boss_length(self) -> float:
         """Length of the sleeves, mm."""
         return self.width
@@ -397,8 +378,6 @@ class IBeam(Beam):
 
     name: ClassVar[str] = "i_beam"
 
-    height: float = a_length("height, in the linkage's plane")
-    width: float = a_length("width of the flanges")
     web: float = a_length("thickness of the web")
     flange: float = a_length("thickness of the flanges")
     root: float = a_length("radius where web and flanges meet")
@@ -434,16 +413,6 @@ class IBeam(Beam):
     def shoulder(self) -> float:
         """Thickness of the flat bar whose shoulder a boss's fillet is, mm."""
         return self.web
-
-    @property
-    def depth(self) -> float:
-        """Height, mm."""
-        return self.height
-
-    @property
-    def breadth(self) -> float:
-        """Width of the flanges, mm."""
-        return self.width
 
     @property
     def boss_length(self) -> float:

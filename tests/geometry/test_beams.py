@@ -40,7 +40,7 @@ def test_second_moments_are_those_of_the_strips_of_the_section(shape):
 
     They lose some 5e-5 where the corners' arcs end square to them.
     """
-    one, h, b = shape.form.section, shape.depth / 2, shape.breadth / 2
+    one, h, b = shape.form.section, shape.height / 2, shape.width / 2
     y = (np.arange(20_000) + 0.5) / 20_000 * h
     if shape is RHS_120:
         wide = b - 10 + np.sqrt(100 - np.maximum(y - h + 10, 0) ** 2)
