@@ -66,7 +66,7 @@ def i_profile(height: float, width: float, web: float, flange: float, root: floa
     circle = ((r + s / 2) ** 2 + (r + f) ** 2 - r**2) / (2 * r + f)
     torsion = 2 / 3 * (b - 0.63 * f) * f**3 + inner * s**3 / 3
     torsion += 2 * s / f * (0.145 + 0.1 * r / f) * circle**4
-    shear_y, shear_z = s * (h - f), 5 / 6 * 2 * b * f
+    shear_y, shear_z = _shear_area(h, b, s, f), 5 / 6 * 2 * b * f
     values = (area, about_y, about_z, torsion, shear_y, shear_z)
     half = b * f * (h - f) / 2 + s * inner**2 / 8 + 2 * (corner * inner / 2 - first)
     return Profile(
@@ -75,6 +75,20 @@ def i_profile(height: float, width: float, web: float, flange: float, root: floa
         half / (s * about_z),
         s,
     )
+
+
+def _shear_area(height: float, width: float, web: float, flange: float) -> float:
+    """I^2 over the integral of S^2/t along the thin walls of an I section, mm2; no roots.
+
+    In the web S = b t_f h_m/2 + s (c^2 - y^2)/2 up to c at the flanges, in these t_f z h_m/2. Wide
+    flanges take 1 % (IPE 80) to 6 % (HEA 200) of the web's area s h_m away.
+    """
+    c, apart = height / 2 - flange, height - flange
+    inertia = (width * height**3 - (width - web) * (2 * c) ** 3) / 12
+    first = width * flange * apart / 2
+    energy = 2 * (first**2 * c + 2 / 3 * first * web * c**3 + 2 / 15 * web**2 * c**5) / web
+    energy += flange * apart**2 * width**3 / 24
+    return inertia**2 / energy
 
 
 def rounded(height: float, width: float, radius: float) -> tuple[float, float, float]:

@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from geometry.profiles import hollow_profile, i_profile
@@ -49,3 +50,25 @@ def test_a_tube_of_even_walls_has_bredts_torsion():
     square = hollow_profile(52.0, 52.0, 2.0, 0.0)
     expected = 2 * 50**3 + 4 * 50 * 2**3 / 3
     assert float(square.sections.torsion) == pytest.approx(expected, rel=1e-12)
+
+
+def test_the_shear_area_of_a_thin_square_tube_is_that_of_its_strain_energy():
+    """I^2 over the integral of S^2/t along the walls: 5/12 of the area of walls a by t."""
+    tube = hollow_profile(101.0, 101.0, 1.0, 0.0).sections
+    areas = [float(tube.shear_area_y), float(tube.shear_area_z)]
+    assert areas == pytest.approx([5 / 12 * 400.0] * 2, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["IPE 80", "IPE 160", "IPE 300", "HEA 200"])
+def test_the_shear_of_an_i_section_is_that_of_its_thin_walls(name):
+    """S = b t_f h_m/2 + s (h_i^2/4 - y^2)/2 in the web and t_f z h_m/2 in flanges; no roots."""
+    height, width, web, flange = ROLLED[name][:4]
+    profile = i_profile(height, width, web, flange, 0.0)
+    inner, apart = height - 2 * flange, height - flange
+    inertia = (width * height**3 - (width - web) * inner**3) / 12
+    y, z = np.linspace(-inner / 2, inner / 2, 2001), np.linspace(0.0, width / 2, 2001)
+    moment = width * flange * apart / 2 + web * (inner**2 / 4 - y**2) / 2
+    energy = np.trapezoid(moment**2 / web, y)
+    energy += 4 * np.trapezoid((flange * z * apart / 2) ** 2 / flange, z)
+    assert profile.shear == pytest.approx(moment.max() / (inertia * web), rel=1e-6)
+    assert float(profile.sections.shear_area_y) == pytest.approx(inertia**2 / energy, rel=1e-6)

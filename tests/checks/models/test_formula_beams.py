@@ -7,7 +7,7 @@ from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
 from checks.by_formula import lug_shear_out
 from checks.design.errors import DesignError
-from checks.models import shapes
+from checks.models import beams, shapes
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.stress.solid_mesh_level import Models
@@ -96,6 +96,43 @@ def test_a_walking_beam_is_bent_most_at_its_saddle(read, text, inertia):
     (at,) = np.flatnonzero(np.isclose(points, [300, 60, 0], atol=1e-3).all(axis=1))[:1]
     stress = model.history.basis[at] @ model.history.coefficients[:, 0]
     assert abs(stress[0]) == pytest.approx(2.4e6 * 60 / inertia, rel=1e-4)
+
+
+def test_the_webs_carry_the_shear_from_pin_to_pin(read):
+    """6 kN between saddle and head: V S/(I 2 t) with S of half the hollow section, its walls' 60
+    by 60 less 50 by 55 mm, corners left out (1 %).
+    """
+    _, model = modelled(read(WALKING_BEAM))
+    history = model.history
+    near = np.isclose(history.points[:, :2], [500.0, 0.0], atol=60.0).all(axis=1)
+    between = near & (np.array(model.places) == "saddle to head") & (history.points[:, 1] == 0.0)
+    stress = np.einsum("psb,b->ps", history.basis[between], history.coefficients[:, 0])
+    first = 60 * 60**2 / 2 - 50 * 55**2 / 2
+    assert len(stress)
+    assert np.abs(stress[:, 3]) == pytest.approx(6000 * first / (2_869_745 * 10), rel=0.02)
+
+
+def test_the_stress_across_a_boss_s_fillet_is_raised_as_at_a_shoulder(read, monkeypatch):
+    """Heywood's factor of a bar 60 on 10 mm with 4 mm: across the fillet that, along it nothing."""
+    design = read(WALKING_BEAM)
+
+    def largest():
+        _, model = modelled(design)
+        own = np.array(model.places) == "foot of saddle"
+        history = model.history
+        stress = np.einsum("psb,b->ps", history.basis[own], history.coefficients[:, 0])
+        arms = history.points[own, :2] - [300.0, 0.0]
+        (c, s) = (arms / np.hypot(*arms.T)[:, None]).T
+        radial = stress[:, 0] * c**2 + stress[:, 1] * s**2 + 2 * stress[:, 3] * s * c
+        around = stress[:, 0] * s**2 + stress[:, 1] * c**2 - 2 * stress[:, 3] * s * c
+        return np.abs(radial).max(), np.abs(around).max()
+
+    raised = largest()
+    monkeypatch.setattr(beams, "stepped_bar", lambda *_: 1.0)
+    plain = largest()
+    factor = 1 + (25 / 4 / (2.8 * 6 - 2)) ** 0.65
+    assert raised[0] / plain[0] == pytest.approx(factor, rel=1e-6)
+    assert raised[1] == pytest.approx(plain[1], rel=1e-9)
 
 
 def test_a_hollow_beam_by_formula_is_its_solid(read):

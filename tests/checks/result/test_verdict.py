@@ -83,3 +83,14 @@ def test_the_key_of_a_wrong_value_is_named(key, value, said):
 def test_what_a_check_lacks_is_named():
     with pytest.raises(TypeError, match="a check must have part, kind, quantity"):
         Check.from_dict({})
+
+
+def test_a_check_without_some_of_its_doubts_has_the_bars_of_the_others():
+    doubts = (("speed", 6.0, 2.0), ("play", 3.0, 1.0))
+    check = replace(results.PASSING, model=20.0, model_below=9.0, doubts=doubts)
+    without = check.without(doubts[:1])
+    assert (without.model, without.below) == pytest.approx((14.0, 7.0))
+    without = check.without(doubts)
+    assert (without.model, without.below) == pytest.approx((11.0, 6.0))
+    endless = ("play", inf, 0.0)
+    assert replace(check, model=inf).without([endless]).model == inf
