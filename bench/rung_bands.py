@@ -7,10 +7,12 @@ checks/models/bands.json; of other scenes than those named what was compared sta
 
 import argparse
 import json
+import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from math import exp, sqrt
+from functools import partial
+from math import degrees, exp, sqrt
 from pathlib import Path
 from time import process_time
 from typing import Any
@@ -31,6 +33,7 @@ from checks.models.checked import (
     rung_level,
     stress_share,
 )
+from checks.models.in_bores import arcs_of, in_bores
 from checks.models.shapes import family_of
 from checks.part.loaded_part import LoadedPart
 from checks.strength.part_strength import fatigue_use
@@ -40,6 +43,7 @@ from geometry.mesh import MeshError
 FILE = Path(__file__).parent / "rungs" / "compared.jsonl"
 BANDS = Path(__file__).parents[1] / "checks" / "models" / "bands.json"
 SHARE = 0.95  # of solids that a band is to hold
+_OUTSIDE = (1 - SHARE) / 2  # on either side
 _KINDS = (STATIC, FATIGUE, BUCKLING)
 FLOOR = 0.02  # of the value: half of the narrowest band; the loads compared are few
 # Of a buckling load: none of the flat links compared buckles in its plane, and one beyond, thicker
@@ -56,6 +60,8 @@ class Compared:
     truth        the solid's value; bar its numerical bar, above and below its model band
     value        the rung's
     by_stress    of a share of the buckling load: what a stout body may have more, else 0
+    on_arcs      solid over rung, the largest and the least of all arcs of contact that both know;
+                 empty where the rung knows but the half circle
     """
 
     family: str
@@ -71,6 +77,7 @@ class Compared:
     seconds: float
     scales: Mapping[str, float]
     by_stress: float = 0.0
+    on_arcs: Sequence[float] = ()
 
     @property
     def ratio(self) -> float:
@@ -118,6 +125,15 @@ def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared
         truth = of_solid(line, kind)
         if truth is None or not value > 0:
             continue
+        on_arcs: Sequence[float] = ()
+        arcs = arcs_of(part) if kind != BUCKLING else []
+        # bands of their own: fixity of forks, arcs where the rung knows them
+        told_apart = kind == BUCKLING or bool(arcs)
+        if arcs:
+            loaded = LoadedPart(design, part, loads)
+            judged = use if kind == FATIGUE else None
+            rung = in_bores(loaded, level, judged, value, partial(shapes.model_of, part)).by_arc
+            on_arcs = _on_arcs(truth, rung) if rung else ()
         yield Compared(
             family_of(part, loads, kind),
             variation.scene.name,
@@ -126,13 +142,25 @@ def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared
             kind,
             truth["value"],
             truth["numerical"] or 0.0,
-            truth["above"] or 0.0,
-            truth["below"] or 0.0,
+            0.0 if told_apart else truth["above"] or 0.0,
+            0.0 if told_apart else truth["below"] or 0.0,
             value,
             seconds,
             proportions_of(part, loads),
             STOUT / BY_STRESS * stress_share(part, model) if kind == BUCKLING else 0.0,
+            on_arcs,
         )
+
+
+def _on_arcs(truth: Mapping[str, Any], rung: Mapping[float, float]) -> Sequence[float]:
+    """Solid over rung, of the largest and of the least on the arcs; the solid's are in its note."""
+    told = dict(re.findall(r"(\d+) deg ([\d.e+-]+)", truth["note"].partition("by arc of")[2]))
+    own = {round(degrees(arc)): value for arc, value in rung.items()}
+    pairs = [(float(value), own[int(arc)]) for arc, value in told.items() if int(arc) in own]
+    if not pairs:
+        return ()
+    solid, formula = np.array(pairs).T
+    return float(solid.max() / formula.max()), float(solid.min() / formula.min())
 
 
 def compare(truths: Mapping[str, Mapping[str, Any]]) -> list[Compared]:
@@ -151,28 +179,44 @@ def compare(truths: Mapping[str, Mapping[str, Any]]) -> list[Compared]:
     return rows
 
 
-def predicted(ratios: Sequence[float]) -> tuple[float, float]:
+def predicted(ratios: Sequence[float], count: int) -> tuple[float, float]:
     """Between which values the next ratio lies in 95 % of all cases, if its logarithm is normal.
 
-    Mean and deviation are those of n ratios, and not known: mean +- t s sqrt(1 + 1/n) with
+    Mean and deviation are those of n solids, and not known: mean +- t s sqrt(1 + 1/n) with
     Student's t of n - 1 degrees of freedom (prediction interval; Hahn and Meeker, Statistical
     Intervals, 1991, section 4.7).
+
+    count  n: a solid may have more ratios than one, which are no more solids
     """
     from scipy.stats import t as student  # takes a second to load: whoever collects tests waits
 
-    logs, n = np.log(ratios), len(ratios)
+    logs, n = np.log(ratios), count
     reach = float(student.ppf((1 + SHARE) / 2, n - 1)) * float(logs.std(ddof=1)) * sqrt(1 + 1 / n)
     middle = float(logs.mean())
     return exp(middle - reach), exp(middle + reach)
 
 
 def ends_of(rows: Sequence[Compared]) -> tuple[float, float]:
-    """Ends of the band of a rung's check: as predicted, and as wide as its floor at the least."""
-    ratios = [row.left for row in rows]
-    middle = exp(float(np.log(ratios).mean()))
-    low, high = predicted(ratios)
-    floor = BUCKLED_FLOOR if rows[0].kind == BUCKLING else FLOOR
+    """Ends of the band of a rung's check: as predicted, and as wide as its floor at the least.
+
+    Each end is a factor on the half circle's value and on the least, or the largest, of all arcs.
+    """
+    even = [row.left for row in rows]
+    most, least = ([row.on_arcs[k] for row in rows if row.on_arcs] for k in (0, 1))
+    low = min(predicted(even + least, len(rows))[0], _share_below(even, least, _OUTSIDE))
+    high = max(predicted(even + most, len(rows))[1], _share_below(even, most, 1 - _OUTSIDE))
+    middle, floor = _middle(even), BUCKLED_FLOOR if rows[0].kind == BUCKLING else FLOOR
     return min(low, middle * (1 - floor)), max(high, middle * (1 + floor))
+
+
+def _share_below(even: Sequence[float], arcs: Sequence[float], share: float) -> float:
+    """Ratio below which a share of the solids lies: their logarithms may not be normal."""
+    found = [float(np.quantile(ratios, share)) for ratios in (even, arcs) if len(ratios)]
+    return max(found) if share > 0.5 else min(found)
+
+
+def _middle(ratios: Sequence[float]) -> float:
+    return exp(float(np.log(ratios).mean()))
 
 
 def band_of(rows: Sequence[Compared]) -> dict[str, Any]:

@@ -284,6 +284,10 @@ def fit() -> None:
         for kind, solids in sorted(kinds.items()):
             if len(solids) < _FEWEST:
                 continue
+            band = known_band(family, "formula", kind)
+            assert band is not None
+            # where the solids compared have no reach, their arcs are the formula's own
+            reach = 1.0 if band.above[1] or band.below[1] else 0.0
             lower, higher = fitted(solids, "lower"), fitted(solids, "higher")
             furthest = max(solid.far for solid in solids)
             growths.setdefault(family, {})[kind] = {
@@ -291,8 +295,8 @@ def fit() -> None:
                 "higher": higher,
                 "furthest": furthest,
                 "count": len(solids),
-                "above": max(solid.above for solid in solids),
-                "below": max(solid.below for solid in solids),
+                "above": reach * max(solid.above for solid in solids),
+                "below": reach * max(solid.below for solid in solids),
                 "scales": {
                     name: [
                         min(solid.scales[name] for solid in solids),
@@ -301,8 +305,6 @@ def fit() -> None:
                     for name in solids[0].scales
                 },
             }
-            band = known_band(family, "formula", kind)
-            assert band is not None
             below = np.array([1 - band.low / exp(lower * solid.far) for solid in solids])
             above = np.array([band.high * exp(higher * solid.far) - 1 for solid in solids])
             inside = np.mean([s.lower <= lower and s.higher <= higher for s in solids])

@@ -120,7 +120,12 @@ def buckled(variation: Variation) -> dict[str, Any]:
         for _ in range(_SEARCHES):
             found, turned = (
                 part_buckling(
-                    solutions, sign * states[:, position], tilt_held=False, count=3, prove=False
+                    solutions,
+                    sign * states[:, position],
+                    tilt_held=False,
+                    twist_held_at=loads.tilt_held_at,
+                    count=3,
+                    prove=False,
                 )
                 for sign in (1.0, -1.0)
             )
@@ -133,7 +138,8 @@ def buckled(variation: Variation) -> dict[str, Any]:
         shares.append(1 / found.modes[0].factor)
     value, told = shares[-1], f"one whole mesh of fineness {finenesses[-1]}"
     if len(shares) == 1:
-        bar = mesh_bar(solutions, states[:, position], found.modes) * value
+        held = loads.tilt_held_at
+        bar = mesh_bar(solutions, states[:, position], found.modes, twist_held_at=held) * value
     else:
         ratio = (finenesses[0] / finenesses[1]) ** 4
         more = (shares[1] - shares[0]) * ratio / (1 - ratio)

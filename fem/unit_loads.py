@@ -28,6 +28,8 @@ from fem.elements import Elements, FacetQuadrature
 from geometry.mesh import FloatArray, Interface, MassProperties, MeshError
 
 HARMONICS = (0, 1, 2, 4)
+# of a cosine on a narrower arc: those left out fall like 1/n^2
+OF_ARCS = tuple(range(17))
 ACCELERATIONS = ("a_x", "a_y", "alpha", "omega2")
 _RAW_LIMIT = 1e-3
 IN_PLANE = [0, 1, 5]  # force along x and y, moment about z
@@ -53,18 +55,30 @@ class InterfaceLoads:
     raw_deviation: float
 
 
-def bearing_coefficients(force: FloatArray, inward: bool) -> FloatArray:
+def harmonics_of(arc: float) -> tuple[int, ...]:
+    """Harmonics of the cosine pressure on an arc, rad: few of the half circle's matter."""
+    return HARMONICS if arc >= np.pi else OF_ARCS
+
+
+def bearing_coefficients(force: FloatArray, inward: bool, arc: float = np.pi) -> FloatArray:
     """Coefficients (n, 8) of a round interface's columns for forces (n, 3): F_x, F_y, M_z.
 
-    Columns: harmonic 0, then cosine and sine of harmonics 1, 2, 4, then the friction couple. A pin
-    in a bore presses where the force points to; a lug on a pin (`inward`) on the opposite side.
+    Columns: harmonic 0, then cosine and sine of harmonics 1, 2, 4, then the friction couple; on an
+    arc narrower than the half circle as many as `OF_ARCS` has. A pin in a bore presses where the
+    force points to; a lug on a pin (`inward`) on the opposite side.
+
+    arc  rad, on which p0 cos(pi t / arc) presses
     """
     force = np.atleast_2d(force)
     size = np.hypot(force[:, 0], force[:, 1])
     angle = np.arctan2(force[:, 1], force[:, 0]) + (np.pi if inward else 0.0)
     columns = []
-    for n in HARMONICS:
-        amplitude = 2 * size * half_cosine_harmonic(n)
+    for n in harmonics_of(arc):
+        amplitude = size * (
+            2 * half_cosine_harmonic(n)
+            if arc >= np.pi
+            else arc_harmonic(n, arc) / arc_harmonic(1, arc)
+        )
         columns.append(amplitude * np.cos(n * angle))
         if n:
             columns.append(amplitude * np.sin(n * angle))
@@ -82,6 +96,18 @@ def half_cosine_harmonic(n: int) -> float:
         return 0.0
     m = n // 2
     return float(2 * (-1) ** (m + 1) / (np.pi * (4 * m * m - 1)))
+
+
+def arc_harmonic(n: int, arc: float) -> float:
+    """Integral of cos(pi t / arc) cos(n t) over |t| < arc/2; half of it for n = 0.
+
+    With k = pi/arc, 2 k cos(n arc/2)/(k^2 - n^2), and arc/2 for n = k.
+    """
+    k = np.pi / arc
+    if abs(n - k) < 1e-9:
+        return arc / 2
+    whole = 2 * k * np.cos(n * arc / 2) / (k**2 - n**2)
+    return float(whole if n else whole / 2)
 
 
 def interface_loads(elements: Elements, interface: Interface) -> InterfaceLoads:

@@ -6,6 +6,7 @@ from math import degrees, pi
 from checks.design.data import Part
 from checks.models.bands import NoBand, bores_given
 from checks.models.checked import band_around
+from checks.models.in_bores import InBores
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import BarSymbols, Given, Item, Step
 from checks.result.verdict import Check
@@ -34,24 +35,21 @@ def rung_bars(
     model: RungModel,
     check: Check,
     value: str,
-    in_bores: float = 0.0,
-    evened: float = 0.0,
+    bores: InBores | None = None,
 ) -> Told:
     """Of a formula: where solids lie around it.
 
-    value     symbol of the check's value
-    in_bores  MPa, the largest in bores whose arc is not stated, raised; 0 without such
-    evened    MPa, the same with bent pins that are in no band; 0 without such
+    value  symbol of the check's value
+    bores  how narrower arcs and uneven pressure move it
     """
     band = band_around(part, loads, model, check)
-    raised = in_bores if in_bores > check.value else 0.0
-    above, below = band.formulas(value, check.unit, raised)
+    above, below = band.formulas(value, check.unit, check.value, bores)
     if isinstance(band, NoBand):
         words = f"no model band: {band.why}"
     else:
         words = f"the model band is where 95 % of {band.count} solids lie around such a value"
-    if evened:
-        words = f"{words}; {_EVENED.format(max(evened, check.value))}"
+    if bores is not None and bores.evened:
+        words = f"{words}; {_EVENED.format(max(bores.evened, check.value))}"
     up, low = (side[-1].symbol if side else "" for side in (above, below))
     return BarSymbols("", up, low, words), [*above, *below]
 

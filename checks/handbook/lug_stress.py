@@ -10,7 +10,7 @@ from math import inf, log1p, pi, sqrt
 
 import numpy as np
 
-from checks.handbook.pin_loaded_hole import PATTERNS, ComplexArray, LugOutline, PinLoadedHole
+from checks.handbook.pin_loaded_hole import ComplexArray, LugOutline, PinLoadedHole
 from geometry.mesh import FloatArray
 
 _STEPPED = (0.1, 2.0, 20.0)  # least and middle h/r, largest h/r of the fits
@@ -54,7 +54,6 @@ _FITS: dict[str, tuple[_Fit, _Fit]] = {
 }
 
 _POINTS = 90  # of half an outline
-_MIRROR = np.array([1.0, -1.0, 1.0, 1.0, -1.0, 1.0, -1.0, -1.0])  # of the patterns under x -> -x
 _FULL = 3.0  # factor of a hole in a plate whose layers do not hold each other
 
 
@@ -174,7 +173,7 @@ class Lug:
         """
         if not self.mirrored:
             return self.hole.at(arms) / self.thickness
-        found = self.hole.at(-arms.conj()) * _MIRROR / self.thickness
+        found = self.hole.at(-arms.conj()) * _mirror(self.hole.patterns) / self.thickness
         found[:, 2] *= -1
         return np.asarray(found)
 
@@ -194,7 +193,7 @@ class Lug:
         share = bent_plate_hole(2 * radius, self.thickness) / _FULL
         rim = radius * np.exp(1j * angles)
         force = 6 / self.thickness  # at the face, of a lug as thick, per N mm
-        bent = self.stress(rim)[:, :, PATTERNS.index("cos 1")] * force
+        bent = self.stress(rim)[:, :, self.hole.patterns.index("cos 1")] * force
         hoop, radial, shear = polar(bent, angles)
         bending = cartesian(share * hoop, radial, share * shear, angles)
         nu = self.hole.poisson_ratio
@@ -203,6 +202,12 @@ class Lug:
         hoop = -share * ((1 - nu) / 2 * even + 4 * passing * np.sin(2 * angles))
         twist = cartesian(hoop, even, np.zeros_like(even), angles)
         return np.stack([twist, bending], axis=2)
+
+
+def _mirror(patterns: tuple[str, ...]) -> FloatArray:
+    """Signs of patterns under x -> -x, by which t becomes pi - t."""
+    signs = [(-1.0) ** (int(name[4:]) + name.startswith("sin")) for name in patterns[:-1]]
+    return np.array([*signs, -1.0])
 
 
 def polar(stress: FloatArray, angles: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -34,10 +34,14 @@ from geometry.mesh import FloatArray
 
 ComplexArray = np.ndarray[tuple[int, ...], np.dtype[np.complex128]]
 
-PATTERNS = (
-    *(f"{wave} {n}" for n in HARMONICS for wave in (("cos", "sin") if n else ("cos",))),
-    "couple",
-)
+
+def patterns_of(harmonics: tuple[int, ...]) -> tuple[str, ...]:
+    """Names of the patterns of a pin's pressure and friction with some harmonics."""
+    waves = (f"{wave} {n}" for n in harmonics for wave in (("cos", "sin") if n else ("cos",)))
+    return (*waves, "couple")
+
+
+PATTERNS = patterns_of(HARMONICS)
 # of a bore's stress: by how much contacts exceed that of the assumed arcs (docs/validation.md)
 BEYOND_ARCS = 0.07
 THINNEST = 0.85  # hole over outline, nearest to each other: thinner rings are not computed
@@ -87,7 +91,8 @@ class PinLoadedHole:
     outline  of the lug
     order    powers of 1/z, in number
     patterns as `fem.unit_loads.bearing_coefficients` has them: pressures cos(n t)/(pi r) per mm of
-             thickness, n = 0, 1, 2, 4, whose n = 1 is a force of 1 N, and a couple of 1 N mm
+             thickness, n = 0, 1, 2, 4 (or more, on narrower arcs), whose n = 1 is a force of 1 N,
+             and a couple of 1 N mm
     """
 
     radius: float
@@ -98,31 +103,39 @@ class PinLoadedHole:
     middle: float
     reach: float
     order: int
+    patterns: tuple[str, ...] = PATTERNS
 
     def at(self, points: ComplexArray) -> FloatArray:
         """Stress xx, yy, xy (k, 3, 8) in 1/mm at points x + i y of the lug, of the patterns."""
-        found = np.zeros((len(points), 3, len(PATTERNS)))
+        found = np.zeros((len(points), 3, len(self.patterns)))
         powers = _powers(points, self.radius, self.middle, self.reach, self.order)
         for odd, coefficients in ((False, self.even), (True, self.odd)):
             total, deviator = _terms(points, powers, odd=odd)
             own = _fixed(points, self.poisson_ratio, odd=odd)
             half, skew = total @ coefficients / 2, deviator @ coefficients
-            half[:, _forces(odd)] += own[0][:, None] / 2
-            skew[:, _forces(odd)] += own[1][:, None]
-            columns = [PATTERNS.index(name) for name in _names(odd)]
+            names = _names(self.patterns, odd=odd)
+            half[:, _forces(names)] += own[0][:, None] / 2
+            skew[:, _forces(names)] += own[1][:, None]
+            columns = [self.patterns.index(name) for name in names]
             found[:, 0, columns] = half - skew.real
             found[:, 1, columns] = half + skew.real
             found[:, 2, columns] = skew.imag
         return found
 
 
-def pin_loaded_hole(radius: float, outline: LugOutline, poisson_ratio: float) -> PinLoadedHole:
-    """Solve a lug for the eight patterns of a pin's pressure and friction on its hole.
+def pin_loaded_hole(
+    radius: float,
+    outline: LugOutline,
+    poisson_ratio: float,
+    harmonics: tuple[int, ...] = HARMONICS,
+) -> PinLoadedHole:
+    """Solve a lug for the patterns of a pin's pressure and friction on its hole.
 
     A lug that was solved before is not solved again. Raises SolverError for a ring that is thinner
     than the series is good for.
 
-    radius  mm, of the hole
+    radius     mm, of the hole
+    harmonics  of the pressure
     """
     ratio = radius / float(np.abs(outline.points).min())
     if ratio > THINNEST:
@@ -132,14 +145,23 @@ def pin_loaded_hole(radius: float, outline: LugOutline, poisson_ratio: float) ->
     middle = float((outline.points.real.min() + outline.points.real.max()) / 2)
     reach = float(np.abs(outline.points - middle).max())
     # what the hole needs falls like (radius/distance)^n; both sides of a ring disturb each other
-    order = max(_FEWEST, ceil(log(_LEFT) / log(ratio)))
-    even, odd = _coefficients(radius, outline.numbers, poisson_ratio, middle, reach, order)
-    return PinLoadedHole(radius, outline, poisson_ratio, even, odd, middle, reach, order)
+    fewest = _FEWEST if harmonics == HARMONICS else max(harmonics) + 1
+    order = max(fewest, ceil(log(_LEFT) / log(ratio)))
+    patterns = patterns_of(harmonics)
+    sizes = poisson_ratio, middle, reach, order
+    even, odd = _coefficients(radius, outline.numbers, *sizes, patterns)
+    return PinLoadedHole(radius, outline, poisson_ratio, even, odd, middle, reach, order, patterns)
 
 
 @lru_cache(maxsize=32)
 def _coefficients(
-    radius: float, numbers: bytes, poisson_ratio: float, middle: float, reach: float, order: int
+    radius: float,
+    numbers: bytes,
+    poisson_ratio: float,
+    middle: float,
+    reach: float,
+    order: int,
+    patterns: tuple[str, ...],
 ) -> tuple[FloatArray, FloatArray]:
     """Coefficients of the even and the odd patterns, solved once for lugs of the same numbers."""
     outline = LugOutline.of_numbers(numbers)
@@ -149,6 +171,7 @@ def _coefficients(
     on_rim, on_outline = (_powers(at, radius, middle, reach, order) for at in (rim, outline.points))
     found = []
     for odd in (False, True):
+        names = _names(patterns, odd=odd)
         matrix, right = [], []
         for points, powers, normals, weights, inside in (
             (rim, on_rim, -rim / radius, np.full(on_hole, pi * radius / on_hole), True),
@@ -159,14 +182,14 @@ def _coefficients(
             rows = _traction(total, deviator, normals[:, None])
             fixed = _traction(own[0], own[1], normals)
             if inside:
-                wanted = _on_rim(angles, radius, odd=odd)
+                wanted = _on_rim(angles, radius, names)
             else:
-                wanted = _held(outline, odd=odd)
+                wanted = _held(outline, names)
                 stiff = outline.stiffening
                 if stiff.any():
                     rows = rows + _stringer(points, powers, stiff, poisson_ratio, odd=odd)
                     fixed = fixed + _own_stringer(points, stiff, poisson_ratio, odd=odd)
-            wanted[:, _forces(odd)] -= fixed[:, None]
+            wanted[:, _forces(names)] -= fixed[:, None]
             scale = np.sqrt(weights / radius) * (_HOLE_WEIGHT if inside else 1.0)
             for part in (np.real, np.imag):
                 matrix.append(part(rows) * scale[:, None])
@@ -179,14 +202,14 @@ def _coefficients(
     return found[0], found[1]
 
 
-def _names(odd: bool) -> tuple[str, ...]:
+def _names(patterns: tuple[str, ...], *, odd: bool) -> tuple[str, ...]:
     """Patterns that are even about the x axis, or odd."""
-    return tuple(n for n in PATTERNS if n.startswith("cos") is not odd)
+    return tuple(n for n in patterns if n.startswith("cos") is not odd)
 
 
-def _forces(odd: bool) -> list[int]:
+def _forces(names: tuple[str, ...]) -> list[int]:
     """Which of these patterns push with a force."""
-    return [k for k, name in enumerate(_names(odd)) if name in ("cos 1", "sin 1")]
+    return [k for k, name in enumerate(names) if name in ("cos 1", "sin 1")]
 
 
 _Powers = tuple[ComplexArray, ComplexArray, ComplexArray]
@@ -237,11 +260,11 @@ def _traction(trace: FloatArray, deviator: ComplexArray, normal: ComplexArray) -
     return np.asarray(trace / 2 * normal - np.conj(deviator * normal))
 
 
-def _on_rim(angles: FloatArray, radius: float, *, odd: bool) -> ComplexArray:
+def _on_rim(angles: FloatArray, radius: float, names: tuple[str, ...]) -> ComplexArray:
     """Tractions (k, patterns) on the hole's edge: pressures point outward, the couple around."""
     outward = np.exp(1j * angles)
     columns = []
-    for name in _names(odd):
+    for name in names:
         if name == "couple":
             columns.append(1j * outward / (2 * pi * radius**2))
             continue
@@ -251,12 +274,12 @@ def _on_rim(angles: FloatArray, radius: float, *, odd: bool) -> ComplexArray:
     return np.stack(columns, axis=1)
 
 
-def _held(outline: LugOutline, *, odd: bool) -> ComplexArray:
+def _held(outline: LugOutline, names: tuple[str, ...]) -> ComplexArray:
     """Tractions (m, patterns) that the rest of the part answers."""
     by_name = {"cos 1": 0, "sin 1": 1, "couple": 2}
     columns = [
         outline.forced[by_name[name]] if name in by_name else np.zeros(len(outline.points), complex)
-        for name in _names(odd)
+        for name in names
     ]
     return np.stack(columns, axis=1)
 

@@ -307,9 +307,7 @@ def _with_rung_bars(
     if part_loads.is_nothing:
         return replace(found, bars=BarSymbols(words="nothing loads the part"))
     best = climb.best[check.kind]
-    bars, items = rung_bars(
-        climb.part, part_loads, level.model, check, found.value, best.in_bores, best.evened
-    )
+    bars, items = rung_bars(climb.part, part_loads, level.model, check, found.value, best.bores)
     if (bars.above and not isfinite(check.model)) or (bars.below and not isfinite(check.below)):
         bars, items = BarSymbols(words="no model band: see the note of the check"), []
     found = replace(found, bars=bars, sections=(*found.sections, Section(BARS, tuple(items))))

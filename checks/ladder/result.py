@@ -64,7 +64,8 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
         gates.append(Gate(f"{part.name}: fatigue safety", missed, *RESCALED))
     facts |= edges_that_pass(loaded, answered(climb), climb.with_edges)
     facts |= by_run_in_edges(loaded, answered(climb), climb.with_edges)
-    bent = {kind: climb.best[kind].evened for kind in (STATIC, FATIGUE) if kind in climb.best}
+    bores = {kind: climb.best[kind].bores for kind in (STATIC, FATIGUE) if kind in climb.best}
+    bent = {kind: one.evened if one else 0.0 for kind, one in bores.items()}
     assumed = [f"{FORMULA}: {level.model.neglects}", *edges_words(loaded, bent)]
     skin = models.skin(part.geometry)
     return PartResult(

@@ -29,9 +29,11 @@ from typing import Any
 import numpy as np
 
 from checks.design.data import Part
+from checks.models.in_bores import InBores
 from checks.models.shapes import shape_model
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Given, Item, Step
+from geometry.shape import Shape
 
 ARC = "arc of contact, deg"
 SHARE = "share of the largest force: "
@@ -53,6 +55,7 @@ _OTHER_SHARE = 0.1  # how far a share of the largest force may be outside the ra
 
 
 _PAGE = "docs/theory/rungs.md"
+_ARCS = "docs/theory/bearing.md"
 Formulas = tuple[list[Item], list[Item]]  # above and below
 LEAST = 0.5  # of a formula's stress, beyond the solids compared: these had 0.66 or more of it
 _CLOSE = ("plate_link", "plate_link beside others", "tube_rod", "toggle_bar", "prismatic_tube")
@@ -88,34 +91,45 @@ class Band:
         """How wide the band is, as a share of the value."""
         return self.high - self.low
 
-    def formulas(self, value: str, unit: str, in_bores: float = 0.0) -> Formulas:
+    def formulas(
+        self, symbol: str, unit: str, value: float, bores: InBores | None = None
+    ) -> Formulas:
         """Formulas of the model band above and below a value, by its symbol.
 
-        in_bores  MPa, the largest in bores whose arc is not stated, where it is above the value:
-                  solids reach as much higher, whatever arc decides theirs; else 0
+        bores  how narrower arcs and uneven pressure move the value; where its arcs are known,
+               solids reach as far from the formula on each; else what the solids' own arcs do is
+               added
         """
-        reach = "reach of the solids' own model band {}, over the value"
+        most = 0.0 if bores is None or bores.most <= value else bores.most
+        arcs = bores is not None and bool(bores.by_arc)
         end = f"{{}} end of where 95 % of solids lie, over this value: {self.count} compared"
-        above: list[Item] = [bores_given(in_bores)] if in_bores else []
-        total = f"(max(0, h_up - 1) + q_up)*{value}"
-        if in_bores:
-            total = f"(p_b/{value}*(max(1, h_up) + q_up) - 1)*{value}"
-        above += [
-            Given("h_up", end.format("upper"), self.high, "", _PAGE),
-            Given("q_up", reach.format("above"), self.above[1], "", _PAGE),
-            Step("b_up", "model band above", total, unit, _PAGE),
-        ]
-        total, forks = f"(max(0, 1 - h_lo) + q_lo)*{value}", list[Item]()
+        reach = "reach of the solids' own model band {}, over the value"
+        above: list[Item] = [bores_given(most)] if most else []
+        above.append(Given("h_up", end.format("upper"), self.high, "", _PAGE))
+        q_up = q_lo = ""
+        if not arcs:
+            above.append(Given("q_up", reach.format("above"), self.above[1], "", _PAGE))
+            q_up, q_lo = " + q_up", f" + q_lo*{symbol}"
+        total = f"(max(0, h_up - 1){q_up})*{symbol}"
+        if most:
+            total = f"(p_b/{symbol}*(max(1, h_up){q_up}) - 1)*{symbol}"
+        above.append(Step("b_up", "model band above", total, unit, _PAGE))
+        below: list[Item] = [Given("h_lo", end.format("lower"), self.low, "", _PAGE)]
+        least = symbol
+        if arcs:
+            assert bores is not None
+            said = "the least of the half circle and of narrower arcs of contact"
+            below.append(Given("p_a", said, bores.least, "MPa", _ARCS))
+            least = "p_a"
+        else:
+            below.append(Given("q_lo", reach.format("below"), self.below[1], "", _PAGE))
+        forks = ""
         if self.fixity:
             said = "fixity: what forks that hold the ends against tilting may take, over the value"
-            forks = [Given("q_f", said, self.fixity, "", _PAGE)]
-            total = f"(max(0, 1 - h_lo) + q_lo + min(1, h_lo)*q_f)*{value}"
-        return above, [
-            Given("h_lo", end.format("lower"), self.low, "", _PAGE),
-            Given("q_lo", reach.format("below"), self.below[1], "", _PAGE),
-            *forks,
-            Step("b_lo", "model band below", total, unit, _PAGE),
-        ]
+            below.append(Given("q_f", said, self.fixity, "", _PAGE))
+            forks = f" + min(1, h_lo)*q_f*{symbol}"
+        total = f"{symbol} - min(1, h_lo)*{least}{q_lo}{forks}"
+        return above, [*below, Step("b_lo", "model band below", total, unit, _PAGE)]
 
 
 @dataclass(frozen=True)
@@ -132,20 +146,22 @@ class NoBand:
     most: float = inf
     bound: str = ""
 
-    def formulas(self, value: str, unit: str, _in_bores: float = 0.0) -> Formulas:
+    def formulas(
+        self, symbol: str, unit: str, _value: float, _bores: InBores | None = None
+    ) -> Formulas:
         """Formulas of the bounds above and below a value, by its symbol; none without a bound."""
         above: list[Item] = []
         below: list[Item] = []
         if isfinite(self.most):
             above = [
                 Given("h_up", f"bound, over the share: {self.bound}", self.most, "", _PAGE),
-                Step("b_up", "bound above", f"(h_up - 1)*{value}", unit, _PAGE),
+                Step("b_up", "bound above", f"(h_up - 1)*{symbol}", unit, _PAGE),
             ]
         if isfinite(self.least):
             said = "least plausible share of a rung's value"
             below = [
                 Given("h_lo", said, self.least, "", _PAGE),
-                Step("b_lo", "bound below", f"(1 - h_lo)*{value}", unit, _PAGE),
+                Step("b_lo", "bound below", f"(1 - h_lo)*{symbol}", unit, _PAGE),
             ]
         return above, below
 
@@ -307,6 +323,12 @@ def tilting_couple(part: Part, loads: PartLoads) -> float:
     size = loads.largest_force * part.geometry.length
     couple = max(float(np.abs(wrench[:, 3:5]).max()) for wrench in loads.wrenches.values())
     return couple if couple > _COUPLE * size else 0.0
+
+
+def beside_others(part: Part, _shape: Shape, loads: PartLoads, kind: str) -> str:
+    """A family: plates beside others are bent out of their plane; they buckle by shape alone."""
+    beside = kind != _BUCKLING and tilting_couple(part, loads)
+    return f"{part.shape} beside others" if beside else part.shape
 
 
 def unknown_load(part: Part, loads: PartLoads) -> str:

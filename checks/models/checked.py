@@ -22,7 +22,6 @@ import numpy as np
 from checks.columns.stability import ELASTIC, FAR
 from checks.design.data import Part
 from checks.design.effort import FORMULA
-from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.models.bands import (
     SHARE,
     Band,
@@ -34,7 +33,7 @@ from checks.models.bands import (
     unknown_load,
     walls_known,
 )
-from checks.models.formula_points import PRESSED_IN
+from checks.models.in_bores import Again, InBores, in_bores
 from checks.models.shapes import family_of
 from checks.models.stress_words import fatigue_check, static_check
 from checks.part.derived import VALUE, at_value
@@ -42,7 +41,7 @@ from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.part.pressed_along import raised_words, that_count, uncounted_words
 from checks.result.verdict import Check, Status
-from checks.result.words import UNKNOWN_BAR
+from checks.result.words import UNKNOWN_BAR, by_arc_words
 from checks.strength.fatigue_assessment import FatigueUse
 from checks.strength.part_strength import endurance_of
 from checks.strength.sampling import buckling_rise, fatigue_rise, static_rise, with_sampling
@@ -72,10 +71,6 @@ BY_STRESS = 12.0
 STOUT = 2.5
 ONLY_PULLED = "the part is only pulled, which buckles no column"
 NOTHING = "nothing loads the part at any position: no model would find a stress"
-_PRESSURE = " cos 0"  # the unit load that only an interface with a bearing pressure has
-# in names of unit loads: couples out of the linkage's plane, and bushes, which no pin raises
-_ACROSS = ("M_x", "M_y", "torque", PRESSED_IN)
-_NEAR = 0.8  # of the largest fatigue use in bores: points that are asked again
 
 
 @dataclass(frozen=True)
@@ -85,16 +80,14 @@ class Estimate:
     check         with its bars, all of them
     above, below  of the model band: how far the rung's own error reaches, in the check's unit
     guard         times the rung's bars that must leave the verdict as it is
-    in_bores      MPa, a formula's `raised_in_bores`; 0 for other checks
-    evened        MPa, its `evened_in`
+    bores         of a formula: how narrower arcs and uneven pressure move it; None of other checks
     """
 
     check: Check
     above: float = 0.0
     below: float = 0.0
     guard: float = GUARD
-    in_bores: float = 0.0
-    evened: float = 0.0
+    bores: InBores | None = None
 
     @property
     def spread(self) -> float:
@@ -199,7 +192,7 @@ def rung_estimates(
     loaded: LoadedPart,
     level: RungLevel,
     use: FatigueUse | None,
-    again: Callable[[PartLoads], RungModel | None],
+    again: Again,
     kinds: Collection[str] = (STATIC, FATIGUE, BUCKLING),
 ) -> dict[str, Estimate]:
     """The checks of some kinds that a rung answers, by kind.
@@ -211,11 +204,11 @@ def rung_estimates(
     found: dict[str, Estimate] = {}
     if STATIC in kinds:
         check = with_sampling(static_check(loaded, level, FORMULA), static_rise(level, loads))
-        found[STATIC] = _stress_estimate(loaded, level, check, None)
+        found[STATIC] = _stress_estimate(loaded, level, check, None, again)
     if FATIGUE in kinds and use is not None:
         check = fatigue_check(loaded, level, use, FORMULA)
         check = with_sampling(check, fatigue_rise(level, loads, use))
-        found[FATIGUE] = _stress_estimate(loaded, level, check, use)
+        found[FATIGUE] = _stress_estimate(loaded, level, check, use, again)
     load = level.model.buckling if BUCKLING in kinds else None
     if load is not None and load.share > 0.0:
         found[BUCKLING] = _buckling_estimate(loaded, level.model, buckling_rise(loads, load, again))
@@ -223,17 +216,16 @@ def rung_estimates(
 
 
 def _stress_estimate(
-    loaded: LoadedPart, level: RungLevel, check: Check, use: FatigueUse | None
+    loaded: LoadedPart, level: RungLevel, check: Check, use: FatigueUse | None, again: Again
 ) -> Estimate:
-    in_bores, evened = raised_in_bores(loaded, level, use), evened_in(loaded, level, use)
-    if evened:
-        largest = max(evened, check.value)
+    bores = in_bores(loaded, level, use, check.value, again)
+    if bores.evened:
+        largest = max(bores.evened, check.value)
         even = uncounted_words(loaded.part, loaded.uneven, largest, static=use is None)
         check = replace(check, note="; ".join(text for text in (check.note, even) if text))
     if loaded.loads.is_nothing:
         return Estimate(_told(check, 0.0, 0.0, NOTHING))
-    found = _with_band(loaded, level.model, check, in_bores)
-    return replace(found, in_bores=in_bores, evened=evened)
+    return replace(_with_band(loaded, level.model, check, bores), bores=bores)
 
 
 def _buckling_estimate(loaded: LoadedPart, model: RungModel, rise: float) -> Estimate:
@@ -264,28 +256,26 @@ def _buckling_estimate(loaded: LoadedPart, model: RungModel, rise: float) -> Est
 
 
 def _with_band(
-    loaded: LoadedPart,
-    model: RungModel,
-    check: Check,
-    in_bores: float = 0.0,
+    loaded: LoadedPart, model: RungModel, check: Check, bores: InBores | None = None
 ) -> Estimate:
     """The check with the band of solids around the rung's value.
 
-    in_bores  MPa, the largest in bores whose arc is not stated, or whose pin bends, raised; 0
-              without such
+    bores  how narrower arcs and uneven pressure move its value
     """
     band, value = band_around(loaded.part, loaded.loads, model, check), check.value
-    raised = in_bores if in_bores > value else 0.0
     above, below = (
         at_value(check, items) if items else inf
-        for items in band.formulas(VALUE, check.unit, raised)
+        for items in band.formulas(VALUE, check.unit, value, bores)
     )
     if isinstance(band, NoBand):  # only the least, and perhaps the most, plausible value are known
         said = band.why if above < inf else f"{UNKNOWN_BAR}{band.why}"
         return Estimate(_told(check, above, below, said), above, below)
     shared, said = band.above[0] * value, _of_solids(band, model)
-    if raised:
-        shared = raised * (1 + band.above[0]) - value
+    if bores is not None and bores.by_arc and max(bores.by_arc.values()) > bores.least:
+        said = f"{said}; {by_arc_words(bores.by_arc)}"
+    if bores is not None and bores.half > value:
+        shared = bores.half * (1 + band.above[0]) - value
+    if bores is not None and bores.half and bores.most > value:
         counts = that_count(loaded.part, loaded.uneven, static=check.kind == STATIC)
         said = f"{said}; model band: {raised_words(loaded.part, counts)}"
     return Estimate(
@@ -390,69 +380,6 @@ def _of_solids(band: Band, model: RungModel) -> str:
         f"{100 * (band.high - 1):+.0f} % from this; neglects {model.neglects}"
         + (f"; {band.wider}" if band.wider else "")
     )
-
-
-# Bores whose arc of contact is not stated, or whose pin bends: how far a rung's stress there may be
-# exceeded.
-#
-# Contacts exceed the assumed arcs by a share that solids have in their model band. The bands of
-# the rungs were compared with solids on the arcs alone, evenly pressed along: they have neither.
-
-
-def raised_in_bores(
-    loaded: LoadedPart, level: RungLevel, use: FatigueUse | None, *, every: bool = False
-) -> float:
-    """Return the largest stress in such bores with more of the forces in the plane, MPa.
-
-    0 without such a bore. As in a solid (checks/stress/error_bars.py), the stress of couples out of
-    the plane and of bushes that are pressed in stays.
-
-    use    how fatigue is judged; None for von Mises stress
-    every  True with all bent pins, those that count in no band included
-    """
-    part, loads, model, history = loaded.part, loaded.loads, level.model, level.history
-    uneven = loaded.uneven
-    if not every:
-        uneven = that_count(part, uneven, static=use is None)
-    if part.body is None or loads.is_nothing or (part.arc_stated and not uneven):
-        return 0.0
-    units = [name for name, _ in model.units]
-    bores = {name.removesuffix(_PRESSURE) for name in units if name.endswith(_PRESSURE)}
-    across = np.array([any(word in name for word in _ACROSS) for name in units])
-    more = 1.0 if part.arc_stated else 1.0 + BEYOND_ARCS
-    places = np.array(model.places)
-    asked: list[IntArray] = []
-    factors: list[FloatArray] = []  # on the unit loads, of each point that is asked
-    for bore in sorted(bores):
-        points = np.flatnonzero(places == bore)
-        if not len(points):
-            continue
-        if use is not None:
-            used = level.judged_duty.bound[points]
-            points = points[used >= _NEAR * used.max()]
-        pressed = np.array([name.startswith(f"{bore} ") for name in units])
-        times = np.where(pressed, uneven[bore].most if bore in uneven else 1.0, 1.0) * more
-        asked.append(points)
-        factors.append(np.tile(np.where(across, 1.0, times), (len(points), 1)))
-    if not asked:
-        return 0.0
-    points = np.concatenate(asked)
-    raised = history.basis[points] * np.concatenate(factors)[:, None, :]
-    if use is not None:
-        return use.anew(level, points, raised, history.coefficients, loads.cycles)
-    own = history.nodes[points], history.points[points]
-    return float(StressHistory(*own, raised, history.coefficients).peaks_by_point().max())
-
-
-def evened_in(loaded: LoadedPart, level: RungLevel, use: FatigueUse | None) -> float:
-    """The largest stress in bores with all bent pins, MPa; 0 where every one is in the band.
-
-    use  how fatigue is judged; None for von Mises stress
-    """
-    counts = that_count(loaded.part, loaded.uneven, static=use is None)
-    if len(counts) == len(loaded.uneven):
-        return 0.0
-    return raised_in_bores(loaded, level, use, every=True)
 
 
 def with_peaks(model: RungModel, judged: Values) -> RungModel:

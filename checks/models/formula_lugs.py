@@ -6,7 +6,7 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.lug_stress import Lug, cartesian, polar
-from checks.handbook.pin_loaded_hole import PATTERNS, ComplexArray
+from checks.handbook.pin_loaded_hole import ComplexArray, patterns_of
 from checks.models.formula_points import (
     XX,
     XY,
@@ -17,7 +17,7 @@ from checks.models.formula_points import (
     pressed_unit,
 )
 from checks.part.part_loads import PartLoads
-from fem.unit_loads import bearing_coefficients
+from fem.unit_loads import bearing_coefficients, harmonics_of
 from geometry.mesh import FloatArray
 
 ANGLES = np.radians(np.arange(0.0, 360.0, 10.0))
@@ -43,12 +43,14 @@ def bore_columns(
     loads close the bore.
     """
     wrench = loads.wrenches[name][:, [0, 1, 5]]
-    columns = points.columns(bearing_coefficients(wrench, inward=False).T, bearing_units(name))
-    patterns = list(range(len(PATTERNS)))
+    names = patterns_of(harmonics_of(loads.arc))
+    pressure = bearing_coefficients(wrench, inward=False, arc=loads.arc)
+    columns = points.columns(pressure.T, bearing_units(name, names))
+    patterns = list(range(len(names)))
     fit = loads.press_fits.get(name)
     if fit is None:
         return columns, patterns
-    even, material = PATTERNS.index("cos 0"), part.material
+    even, material = names.index("cos 0"), part.material
     hoop, radial, _ = _means(rim, angles)
     per_pressure = fit.per_pressure(thickness)
     lug = (per_pressure * float(hoop[even]) + material.poisson_ratio) / material.youngs_modulus

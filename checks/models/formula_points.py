@@ -165,9 +165,9 @@ def interface_units(interface: str, columns: Sequence[str]) -> list[UnitName]:
     return [(f"{interface} {name}", "N mm" if name in _COUPLES else "N") for name in columns]
 
 
-def bearing_units(interface: str) -> list[UnitName]:
+def bearing_units(interface: str, patterns: Sequence[str] = PATTERNS) -> list[UnitName]:
     """Names of a bore's columns: harmonics of the pressure and the friction couple."""
-    return interface_units(interface, PATTERNS)
+    return interface_units(interface, patterns)
 
 
 def pressed_unit(interface: str) -> UnitName:

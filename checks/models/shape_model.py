@@ -29,6 +29,7 @@ class ShapeModel(Generic[S]):
             balances that: solids lie as near under other shares of loads across it
     press_fits  True if bushes that are pressed into its bores are in the stress; without it a part
             with such a bush has no formula
+    arcs    True if its bores are solved for the pressure on the arc of `PartLoads.arc`
     """
 
     shape: type[S]
@@ -37,3 +38,4 @@ class ShapeModel(Generic[S]):
     tilts: bool = False
     statics: bool = False
     press_fits: bool = False
+    arcs: bool = False

@@ -6,7 +6,7 @@ A `Placing` is where a part stands in its body's frame, and turns the body's loa
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from math import atan2, cos, hypot, sin
+from math import atan2, cos, hypot, pi, sin
 
 import numpy as np
 
@@ -122,6 +122,7 @@ class PartLoads:
     own_swing      mm along x -> (n,) N across, there: inertia of the part as it bends, beyond its
                    accelerations', in balance by itself
     press_fits     bore -> the bush that is pressed into it, for good
+    arc            rad, on which pins press in bores by formula
     """
 
     wrenches: Mapping[str, FloatArray]
@@ -137,6 +138,7 @@ class PartLoads:
     spins: Mapping[str, FloatArray] = field(default_factory=dict)
     own_swing: Mapping[float, FloatArray] = field(default_factory=dict)
     press_fits: Mapping[str, PressFit] = field(default_factory=dict)
+    arc: float = pi
 
     @property
     def steps(self) -> IntArray:

@@ -1,9 +1,9 @@
 """Numbers, names and verdicts as people read them, the same on the terminal and on the page."""
 
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Decimal
-from math import inf, isfinite, isinf, isnan
+from math import degrees, inf, isfinite, isinf, isnan
 
 from checks.result.verdict import Check, DesignResult, Gate, Status
 
@@ -23,6 +23,13 @@ END_OF_TRAVEL = "end of its travel off by up to"  # in that of a stop, behind th
 HITS = "as its force reverses"  # ends those of play in a joint
 _NEAR = 0.05  # of the required safety, within which four digits tell the safety
 _LONGEST_UTILISATION = 1e6  # that is written with all its digits
+
+
+def by_arc_words(by_arc: Mapping[float, float]) -> str:
+    """Stress, MPa, by arc of contact, rad, for a note."""
+    return "by arc of contact, MPa: " + ", ".join(
+        f"{degrees(arc):.0f} deg {value:.4g}" for arc, value in by_arc.items()
+    )
 
 
 def clean(text: object, *, lines: bool = False) -> str:

@@ -17,6 +17,7 @@ import numpy as np
 from checks.design.data import Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.part.pressed_along import Uneven, raised_words, that_count, uncounted_words
+from checks.result.words import by_arc_words
 from checks.stress.beyond_even import BeyondEven, beyond_even
 from checks.stress.clearances import (
     POSITIONS,
@@ -135,8 +136,7 @@ def bars_of(
             + why
         )
     if by_arc:
-        by = ", ".join(f"{degrees(a):.0f} deg {v:.4g}" for a, v in by_arc.items())
-        notes.append(f"by arc of contact, MPa: {by}")
+        notes.append(by_arc_words(by_arc))
     bars = Bars(bar, 0.0, 0.0, "; ".join(notes), values, sizes, by_arc, clearances=clearances)
     return banded(bars, judged, part, finest, uneven)
 

@@ -1,6 +1,7 @@
 """Pins that bend in a fork: what they press more at edges is in the band of solved contact."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -20,7 +21,8 @@ from checks.ladder.pin_settings import pins_data
 from checks.ladder.result import cheap_result
 from checks.ladder.solid import check_solid
 from checks.models import shapes
-from checks.models.checked import evened_in, raised_in_bores, rung_estimates, rung_level
+from checks.models.checked import rung_estimates, rung_level
+from checks.models.in_bores import InBores, in_bores
 from checks.part import pressed_along
 from checks.part.loaded_part import LoadedPart
 from checks.part.pressed_along import that_count
@@ -64,6 +66,15 @@ def rod(folder, at=12.0, bush="", stack=STACK, fits=FITS, overrides=()):
     design = machine(folder, text, *overrides)
     design, runs = solved_runs(design, Models(), lambda _: None)
     return LoadedPart.of(design, design.parts["rod"], runs)
+
+
+def again(loaded):
+    return partial(shapes.model_of, loaded.part)
+
+
+def bores_of(loaded, level, use=None) -> InBores:
+    value = level.peak.value if use is None else use.value(level)
+    return in_bores(loaded, level, use, value, again(loaded))
 
 
 @pytest.fixture(scope="module")
@@ -195,9 +206,9 @@ def test_models_without_contact_have_what_bent_pins_press_in_their_band_as_well(
         assert raised.above > even.above
         assert "times as much at the edges of first, as the pin bends" in raised.note
     by_formula = rung_level(loaded, shapes.model_of(loaded.part, loaded.loads))
-    found = [raised_in_bores(one, by_formula, None) for one in (replace(loaded, runs={}), loaded)]
+    found = [bores_of(one, by_formula).half for one in (replace(loaded, runs={}), loaded)]
     assert_allclose(found[1] / found[0], uneven["first"][0], rtol=0.02)
-    estimate = rung_estimates(loaded, by_formula, None, lambda _: None)["static"].check
+    estimate = rung_estimates(loaded, by_formula, None, again(loaded))["static"].check
     assert "at the edges of first, as the pin bends" in estimate.note
     stated = replace(loaded, part=replace(loaded.part, arc_stated=True))
     assert (
@@ -237,18 +248,17 @@ def test_no_static_band_has_what_yields_at_edges_of_ductile_parts(bent, tmp_path
     assert f"elastic, with it, up to {bars.evened:.4g} MPa" in bars.note
     by_formula = rung_level(loaded, shapes.model_of(loaded.part, loaded.loads))
     straight = replace(loaded, runs={})
-    checks = [rung_estimates(one, by_formula, None, lambda _: None)["static"].check
+    checks = [rung_estimates(one, by_formula, None, again(loaded))["static"].check
               for one in (loaded, straight, kept_in)]  # fmt: skip
     assert checks[0].model == checks[1].model < checks[2].model
-    elastic = raised_in_bores(kept_in, by_formula, None)
+    elastic = bores_of(kept_in, by_formula).most
     assert f"elastic, with it, up to {elastic:.4g} MPa" in checks[0].note
     told, _ = rung_bars(
-        loaded.part, loaded.loads, by_formula.model, checks[0], "v",
-        evened=evened_in(loaded, by_formula, None),
+        loaded.part, loaded.loads, by_formula.model, checks[0], "v", bores_of(loaded, by_formula)
     )  # fmt: skip
     assert f"in no band: bent pins, with which it is up to {elastic:.4g} MPa" in told.words
     use = fatigue_use(loaded)  # not covered by the theorem
-    assert raised_in_bores(loaded, by_formula, use) > raised_in_bores(straight, by_formula, use)
+    assert bores_of(loaded, by_formula, use).most > bores_of(straight, by_formula, use).most
 
 
 def test_what_is_brittle_or_a_pin_that_does_not_hold_keeps_the_elastic_band(tmp_path):
@@ -336,10 +346,10 @@ def test_edges_that_are_stated_to_have_run_in_take_the_bent_pin_out_of_both_band
     straight, stated = (bars_of(use, even.part, [level, level], 0.2, u) for u in ({}, even.uneven))
     assert (stated.above, stated.in_bores) == (straight.above, straight.in_bores)
     level = rung_level(loaded, shapes.model_of(loaded.part, loaded.loads))
-    same = [raised_in_bores(one, level, use) for one in (even, replace(loaded, runs={}))]
-    assert same[0] == same[1] < raised_in_bores(loaded, level, use)
+    same = [bores_of(one, level, use).most for one in (even, replace(loaded, runs={}))]
+    assert same[0] == same[1] < bores_of(loaded, level, use).most
     elsewhere = run_in(loaded, second="run_in")
-    assert raised_in_bores(elsewhere, level, use) == raised_in_bores(loaded, level, use)
+    assert bores_of(elsewhere, level, use) == bores_of(loaded, level, use)
 
 
 def test_a_check_that_bent_pins_leave_open_names_the_edges_that_settle_it(tmp_path):
@@ -410,7 +420,7 @@ def test_a_pin_that_is_no_part_claims_no_theorem(tmp_path):
     loaded = rod(tmp_path, stack="", fits="")
     assert loaded.uneven == {}
     level = rung_level(loaded, shapes.model_of(loaded.part, loaded.loads))
-    check = rung_estimates(loaded, level, None, lambda _: None)["static"].check
+    check = rung_estimates(loaded, level, None, again(loaded))["static"].check
     assert "theorem" not in check.note
 
 
@@ -616,7 +626,9 @@ def test_the_fewest_edges_come_first_and_bushes_last(tmp_path):
     loaded.__dict__["uneven"] = {"first": one, "second": one}  # as two pins had it
     level = rung_level(loaded, shapes.model_of(loaded.part, loaded.loads))
     use = fatigue_use(loaded)
-    check = rung_estimates(loaded, level, use, lambda _: None, ["fatigue"])["fatigue"].check
+    check = rung_estimates(loaded, level, use, partial(shapes.model_of, loaded.part), ["fatigue"])[
+        "fatigue"
+    ].check
     fails, half, holds = (
         replace(check, limit=check.required * check.upper * share, numerical=0.0, model=0.0)
         for share in (0.1, 2.0, 4.0)

@@ -10,14 +10,14 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.lug_stress import Lug, curved_bar, strip_outline
-from checks.handbook.pin_loaded_hole import PATTERNS, CurvedSection, open_hole, pin_loaded_hole
+from checks.handbook.pin_loaded_hole import CurvedSection, open_hole, pin_loaded_hole
 from checks.models.formula_lugs import ANGLES, bore_columns
 from checks.models.formula_points import XX, XY, YY, Points
 from checks.models.plate_buckling import FlatSection, PlateForces, deflected, directed, elastic_load
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
-from fem.unit_loads import HARMONICS
+from fem.unit_loads import harmonics_of
 from geometry.bars import BESIDE
 from geometry.mesh import FloatArray
 from geometry.outlines import ComplexArray
@@ -118,7 +118,7 @@ def _add_bore(part: Part, points: Points, forces: PlateForces, bore: PlateBore) 
     ways = _ways(shape, bore)
     if len(ways) == 1:
         angles = _from(ways[0])
-        lug = _lug(part, shape, bore, ways[0], angles, round_end=True)
+        lug = _lug(part, forces, bore, ways[0], angles, round_end=True)
         columns = bore_columns(
             points, part, forces.loads, bore.name, lug[:, _PLANE], angles, thickness
         )
@@ -131,7 +131,7 @@ def _add_bore(part: Part, points: Points, forces: PlateForces, bore: PlateBore) 
     section = FlatSection(cut, shape.thickness)
     angles = _from(mean)
     passing = _passing(forces, section, bore, 1.0, angles)
-    lug = _lug(part, shape, bore, mean, angles, round_end=False)
+    lug = _lug(part, forces, bore, mean, angles, round_end=False)
     columns = bore_columns(
         points, part, forces.loads, bore.name, lug[:, _PLANE], angles, thickness,
         (forces.columns, passing[:, _PLANE]),
@@ -139,7 +139,7 @@ def _add_bore(part: Part, points: Points, forces: PlateForces, bore: PlateBore) 
     _add_rim(points, forces, bore, columns, angles, lug, passing)
     if abs(inner) > _STRAIGHT:
         angles = _from(inner)
-        lug = _lug(part, shape, bore, inner / abs(inner), angles, round_end=True)
+        lug = _lug(part, forces, bore, inner / abs(inner), angles, round_end=True)
         arch = _Arch.of(shape, bore)
         crown = np.maximum(np.cos(angles - phase(-inner)), 0.0)
         passing = _passing(forces, section, bore, 0.5, angles)
@@ -238,7 +238,7 @@ def _ways(shape: Plate, bore: PlateBore) -> list[complex]:
 
 def _lug(
     part: Part,
-    shape: Plate,
+    forces: PlateForces,
     bore: PlateBore,
     along: complex,
     angles: FloatArray,
@@ -249,6 +249,7 @@ def _lug(
 
     along  to where it is held
     """
+    shape, harmonics = forces.shape, harmonics_of(forces.loads.arc)
     middle, radius = bore.centre, bore.diameter / 2
     beside, further = (
         min(shape.outline.reach(at, along * side) for side in (1j, -1j))
@@ -258,15 +259,15 @@ def _lug(
     behind = min(shape.outline.reach(middle, -along), 2 * BESIDE * half)
     end = None if round_end and abs(behind / half - 1) < _ROUND else behind
     outline = strip_outline(half, end, max(2 * BESIDE * half, 1.5 * radius))
-    found = pin_loaded_hole(radius, outline, part.material.poisson_ratio)
-    own = np.zeros((len(angles), 6, len(PATTERNS)))
+    found = pin_loaded_hole(radius, outline, part.material.poisson_ratio, harmonics)
+    own = np.zeros((len(angles), 6, len(found.patterns)))
     turn = phase(along)
     rim = radius * np.exp(1j * (angles - turn))
     own[:, [0, 1, 3]] = Lug(found, shape.thickness).stress(rim)
     basis = own.copy()
-    for n in HARMONICS:
+    for n in harmonics:
         if n:
-            cosine, sine = PATTERNS.index(f"cos {n}"), PATTERNS.index(f"sin {n}")
+            cosine, sine = found.patterns.index(f"cos {n}"), found.patterns.index(f"sin {n}")
             c, s = np.cos(n * turn), np.sin(n * turn)
             basis[:, :, cosine] = c * own[:, :, cosine] - s * own[:, :, sine]
             basis[:, :, sine] = s * own[:, :, cosine] + c * own[:, :, sine]
@@ -385,4 +386,4 @@ def _add_hollow_edges(points: Points, forces: PlateForces) -> None:
             _add(points, forces, f"hollow edge beside {near.name}", places, stresses)
 
 
-MODEL = ShapeModel(Plate, stress, family=family, press_fits=True)
+MODEL = ShapeModel(Plate, stress, family=family, press_fits=True, arcs=True)

@@ -5,12 +5,13 @@ import numpy as np
 from checks.design.data import Part
 from checks.handbook.lug_stress import Lug, strip_outline
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
-from checks.models.bands import tilting_couple
+from checks.models.bands import beside_others
 from checks.models.formula_bars import BarPart, Stretches, add_rectangle_fibres
 from checks.models.formula_lugs import add_bore, strip_edges
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
+from fem.unit_loads import harmonics_of
 from geometry.bars import BESIDE, fine_cells, rectangle_torsion
 from geometry.parts import PlateLink
 
@@ -36,7 +37,8 @@ def stress(part: Part, shape: PlateLink, loads: PartLoads) -> RungModel:
     cut = min(BESIDE * shape.width, shape.length / 2)
     for name, (x, hole) in holes.items():
         outline = strip_outline(half, None, max(cut, 0.75 * hole))
-        found = pin_loaded_hole(hole / 2, outline, part.material.poisson_ratio)
+        nu, harmonics = part.material.poisson_ratio, harmonics_of(loads.arc)
+        found = pin_loaded_hole(hole / 2, outline, nu, harmonics)
         lug = Lug(found, thickness, mirrored=x > 0, twist_modulus=modulus)
         edges = strip_edges(half, None, half, 1.0 if x > 0 else -1.0)
         add_bore(points, part, loads, name, x, lug, (0.0,), edges=edges, tilts=True)
@@ -46,12 +48,6 @@ def stress(part: Part, shape: PlateLink, loads: PartLoads) -> RungModel:
     return whole.model(
         neglects="stress not linear through the thickness; that the holes disturb each other",
     )
-
-
-def family(part: Part, _shape: PlateLink, loads: PartLoads, kind: str) -> str:
-    """A plate beside others is bent out of its plane, too; buckling is compared by shape alone."""
-    beside = kind != "buckling" and tilting_couple(part, loads)
-    return f"{part.shape} beside others" if beside else part.shape
 
 
 def _stretches(shape: PlateLink, holes: dict[str, tuple[float, float]]) -> Stretches:
@@ -75,4 +71,4 @@ def _stretches(shape: PlateLink, holes: dict[str, tuple[float, float]]) -> Stret
     )
 
 
-MODEL = ShapeModel(PlateLink, stress, family=family, tilts=True, press_fits=True)
+MODEL = ShapeModel(PlateLink, stress, family=beside_others, tilts=True, press_fits=True, arcs=True)

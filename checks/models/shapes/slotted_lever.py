@@ -23,12 +23,14 @@ from checks.handbook.lateral_buckling import (
 )
 from checks.handbook.lug_stress import Lug, bent_plate_hole, curved_bar, stepped_bar, strip_outline
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
+from checks.models.bands import beside_others
 from checks.models.formula_bars import Aside, BarPart, Stretches, add_rectangle_fibres
 from checks.models.formula_lugs import add_bore, strip_edges
 from checks.models.formula_points import Points, along_x, in_section
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads, first_largest
 from checks.stress.stress_result import RungModel
+from fem.unit_loads import harmonics_of
 from geometry.bars import BESIDE, fine_cells, rectangle_torsion
 from geometry.mesh import FloatArray
 from geometry.parts import SlottedLever
@@ -88,7 +90,8 @@ def _add_lug(
     half, depth = shape.width / 2, shape.thickness + bosses
     cut = max(min(BESIDE * shape.width, 2 * room), 0.75 * shape.hole)
     outline = strip_outline(half, shape.overhang, cut)
-    hole = pin_loaded_hole(shape.hole / 2, outline, part.material.poisson_ratio)
+    nu = part.material.poisson_ratio
+    hole = pin_loaded_hole(shape.hole / 2, outline, nu, harmonics_of(loads.arc))
     _, modulus = rectangle_torsion(shape.width, depth)
     tip = name == "tip"
     lug = Lug(hole, depth, mirrored=tip, twist_modulus=float(modulus))
@@ -398,7 +401,9 @@ def _chord(diameter: float, x: FloatArray) -> FloatArray:
     return np.asarray(2 * np.sqrt(np.maximum(diameter**2 / 4 - x**2, 0.0)))
 
 
-MODEL = ShapeModel(SlottedLever, stress, tilts=True, press_fits=True)
+MODEL = ShapeModel(
+    SlottedLever, stress, family=beside_others, tilts=True, press_fits=True, arcs=True
+)
 
 
 def rail_forces(

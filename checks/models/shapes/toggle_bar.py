@@ -22,6 +22,7 @@ from checks.models.formula_points import Points
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
+from fem.unit_loads import harmonics_of
 from geometry.bars import Section, fine_cells, plate_section, square_tube_section
 from geometry.mesh import FloatArray
 from geometry.parts import ToggleBar
@@ -41,7 +42,8 @@ def stress(part: Part, shape: ToggleBar, loads: PartLoads) -> RungModel:
     places = {"knee": 0.0, "end": shape.length}
     whole = BarPart.of(part, loads, places, mass, shape.length, (shape.hole / 2, shape.hole / 2))
     bar, points = whole.forces, whole.points
-    lugs = {name: lug_at(shape, name, part.material.poisson_ratio) for name in places}
+    nu = part.material.poisson_ratio
+    lugs = {name: lug_at(shape, name, nu, loads.arc) for name in places}
     for name, x in places.items():
         outward = -1.0 if name == "knee" else 1.0
         edges = strip_edges(shape.width / 2, shape.overhang, shape.width / 2, outward)
@@ -56,7 +58,7 @@ def stress(part: Part, shape: ToggleBar, loads: PartLoads) -> RungModel:
         _add_cut_out(points, shape, free, cheeks, sections)
     return whole.model(
         local=lambda: _spread(part, shape),
-        stretch=partial(spread_mode, shape, lugs["knee"], part.material.poisson_ratio),
+        stretch=partial(spread_mode, shape, lugs["knee"], nu),
         neglects="bending of the walls across themselves; that the side walls lag in taking their "
         "share",
     )
@@ -93,14 +95,17 @@ def _spreading(shape: ToggleBar, poisson_ratio: float) -> float | None:
     return spreading(shape, lug_at(shape, "knee", poisson_ratio), 1.0, poisson_ratio)
 
 
-def lug_at(shape: ToggleBar, name: str, poisson_ratio: float) -> Lug:
-    """Both cheeks about a hole, half of a side wall along each edge where it is not cut away."""
+def lug_at(shape: ToggleBar, name: str, poisson_ratio: float, arc: float = pi) -> Lug:
+    """Both cheeks about a hole, half of a side wall along each edge where it is not cut away.
+
+    arc  rad, on which the pin presses
+    """
     free = shape.cutout_length - shape.overhang
     behind = free if name == "knee" or free > shape.length - shape.hole else -np.inf
     outline = strip_outline(
         shape.width / 2, shape.overhang, solved_to(shape), shape.width / 2 - shape.wall, behind
     )
-    hole = pin_loaded_hole(shape.hole / 2, outline, poisson_ratio)
+    hole = pin_loaded_hole(shape.hole / 2, outline, poisson_ratio, harmonics_of(arc))
     return Lug(hole, 2 * shape.wall, mirrored=name == "end")
 
 
@@ -180,4 +185,4 @@ def _add_cut_out(
     add_fibres(points, "cut-out corner", places, (y, z), columns, stress)
 
 
-MODEL = ShapeModel(ToggleBar, stress, press_fits=True)
+MODEL = ShapeModel(ToggleBar, stress, press_fits=True, arcs=True)

@@ -12,6 +12,7 @@ from checks.models.formula_points import Points, along_x, in_section, sheared
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
+from fem.unit_loads import harmonics_of
 from geometry.bars import fine_cells
 from geometry.mesh import FloatArray
 from geometry.parts import TubeRod
@@ -36,7 +37,8 @@ def stress(part: Part, shape: TubeRod, loads: PartLoads) -> RungModel | None:
     ligament = shape.ligament / shape.eye_width
     radius = shape.hole / 2 + ligament
     outline = round_outline(radius, min(shape.tube_diameter / 2, 0.95 * radius))
-    hole = pin_loaded_hole(shape.hole / 2, outline, part.material.poisson_ratio)
+    nu = part.material.poisson_ratio
+    hole = pin_loaded_hole(shape.hole / 2, outline, nu, harmonics_of(loads.arc))
     rear = np.radians([180.0, 150.0, 120.0, 90.0, 270.0, 240.0, 210.0])
     edge: ComplexArray = np.asarray(radius * np.exp(1j * rear))
     for name, x in places.items():
@@ -107,4 +109,4 @@ def _stretches(shape: TubeRod) -> Stretches:
     )
 
 
-MODEL = ShapeModel(TubeRod, stress)
+MODEL = ShapeModel(TubeRod, stress, arcs=True)
