@@ -33,7 +33,7 @@ from checks.models.checked import (
     rung_level,
     stress_share,
 )
-from checks.models.in_bores import arcs_of, in_bores
+from checks.models.in_bores import Arcs, arcs_of, in_bores
 from checks.models.shapes import family_of
 from checks.part.loaded_part import LoadedPart
 from checks.strength.part_strength import fatigue_use
@@ -132,7 +132,8 @@ def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared
         if arcs:
             loaded = LoadedPart(design, part, loads)
             judged = use if kind == FATIGUE else None
-            rung = in_bores(loaded, level, judged, value, partial(shapes.model_of, part)).by_arc
+            models = Arcs(loaded, level, partial(shapes.model_of, part))
+            rung = in_bores(models, judged, value).by_arc
             on_arcs = _on_arcs(truth, rung) if rung else ()
         yield Compared(
             family_of(part, loads, kind),

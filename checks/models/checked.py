@@ -33,7 +33,7 @@ from checks.models.bands import (
     unknown_load,
     walls_known,
 )
-from checks.models.in_bores import Again, InBores, in_bores
+from checks.models.in_bores import Again, Arcs, InBores, in_bores
 from checks.models.shapes import family_of
 from checks.models.stress_words import fatigue_check, static_check
 from checks.part.derived import VALUE, at_value
@@ -79,7 +79,8 @@ class Estimate:
 
     check         with its bars, all of them
     above, below  of the model band: how far the rung's own error reaches, in the check's unit
-    guard         times the rung's bars that must leave the verdict as it is
+    guard         times the rung's own error that must leave the verdict as it is
+    error         (above, below) of those: without arcs, which solids have, too; None: all of them
     bores         of a formula: how narrower arcs and uneven pressure move it; None of other checks
     """
 
@@ -87,6 +88,7 @@ class Estimate:
     above: float = 0.0
     below: float = 0.0
     guard: float = GUARD
+    error: tuple[float, float] | None = None
     bores: InBores | None = None
 
     @property
@@ -134,12 +136,12 @@ class Estimate:
         return max(0.0, self.check.below - self.below) if self.check.below < inf else 0.0
 
     def _widened(self, guard: float) -> Check:
-        check = self.check
+        check, (above, below) = self.check, self.error or (self.above, self.below)
         return replace(
             check,
             numerical=guard * check.numerical,
-            model=check.model + (guard - 1) * self.above,
-            model_below=check.below + (guard - 1) * self.below,
+            model=check.model + (guard - 1) * above,
+            model_below=check.below + (guard - 1) * below,
         )
 
     def _moved(self, by: float) -> Status:
@@ -200,32 +202,30 @@ def rung_estimates(
     use    how the part's fatigue is judged; None where no cycle of the duty loads it
     again  builds the rung's model under other loads
     """
-    loads = loaded.loads
+    loads, arcs = loaded.loads, Arcs(loaded, level, again)
     found: dict[str, Estimate] = {}
     if STATIC in kinds:
         check = with_sampling(static_check(loaded, level, FORMULA), static_rise(level, loads))
-        found[STATIC] = _stress_estimate(loaded, level, check, None, again)
+        found[STATIC] = _stress_estimate(arcs, check, None)
     if FATIGUE in kinds and use is not None:
         check = fatigue_check(loaded, level, use, FORMULA)
         check = with_sampling(check, fatigue_rise(level, loads, use))
-        found[FATIGUE] = _stress_estimate(loaded, level, check, use, again)
+        found[FATIGUE] = _stress_estimate(arcs, check, use)
     load = level.model.buckling if BUCKLING in kinds else None
     if load is not None and load.share > 0.0:
         found[BUCKLING] = _buckling_estimate(loaded, level.model, buckling_rise(loads, load, again))
     return found
 
 
-def _stress_estimate(
-    loaded: LoadedPart, level: RungLevel, check: Check, use: FatigueUse | None, again: Again
-) -> Estimate:
-    bores = in_bores(loaded, level, use, check.value, again)
+def _stress_estimate(arcs: Arcs, check: Check, use: FatigueUse | None) -> Estimate:
+    loaded, bores = arcs.loaded, in_bores(arcs, use, check.value)
     if bores.evened:
         largest = max(bores.evened, check.value)
         even = uncounted_words(loaded.part, loaded.uneven, largest, static=use is None)
         check = replace(check, note="; ".join(text for text in (check.note, even) if text))
     if loaded.loads.is_nothing:
         return Estimate(_told(check, 0.0, 0.0, NOTHING))
-    return replace(_with_band(loaded, level.model, check, bores), bores=bores)
+    return replace(_with_band(loaded, arcs.level.model, check, bores), bores=bores)
 
 
 def _buckling_estimate(loaded: LoadedPart, model: RungModel, rise: float) -> Estimate:
@@ -271,6 +271,9 @@ def _with_band(
         said = band.why if above < inf else f"{UNKNOWN_BAR}{band.why}"
         return Estimate(_told(check, above, below, said), above, below)
     shared, said = band.above[0] * value, _of_solids(band, model)
+    error = None
+    if bores is not None and bores.by_arc:
+        error = (above - max(bores.most - value, 0.0), below - (value - bores.least))
     if bores is not None and bores.by_arc and max(bores.by_arc.values()) > bores.least:
         said = f"{said}; {by_arc_words(bores.by_arc)}"
     if bores is not None and bores.half > value:
@@ -278,9 +281,8 @@ def _with_band(
     if bores is not None and bores.half and bores.most > value:
         counts = that_count(loaded.part, loaded.uneven, static=check.kind == STATIC)
         said = f"{said}; model band: {raised_words(loaded.part, counts)}"
-    return Estimate(
-        _told(check, above, below, said), above - shared, below - band.shared_below * value
-    )
+    told = _told(check, above, below, said)
+    return Estimate(told, above - shared, below - band.shared_below * value, error=error)
 
 
 def band_around(part: Part, loads: PartLoads, model: RungModel, check: Check) -> Band | NoBand:

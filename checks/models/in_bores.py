@@ -11,6 +11,7 @@ compared with solids on the arcs alone, evenly pressed along: they have neither.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import pi
 
 import numpy as np
@@ -25,7 +26,7 @@ from checks.part.pressed_along import Uneven, that_count
 from checks.strength.fatigue_assessment import FatigueUse
 from checks.stress.stress_result import RungLevel, RungModel
 from fem.stress_history import StressHistory
-from geometry.mesh import FloatArray, IntArray
+from geometry.mesh import BoolArray, FloatArray, IntArray
 
 Again = Callable[[PartLoads], RungModel | None]
 _PRESSURE = " cos 0"  # the unit load that only an interface with a bearing pressure has
@@ -60,64 +61,87 @@ def arcs_of(part: Part) -> list[float]:
     return [(pi + narrow) / 2, narrow]
 
 
-def in_bores(
-    loaded: LoadedPart, level: RungLevel, use: FatigueUse | None, value: float, again: Again
-) -> InBores:
+class Arcs:
+    """A rung's level with its models on narrower arcs of contact, each built when it is asked for.
+
+    again  builds the rung's model under other loads
+    """
+
+    def __init__(self, loaded: LoadedPart, level: RungLevel, again: Again) -> None:
+        self.loaded, self.level, self._again = loaded, level, again
+
+    @cached_property
+    def models(self) -> dict[float, RungModel]:
+        """Arc, rad -> the model with pins that press on it."""
+        loads = self.loaded.loads
+        found = {arc: self._again(replace(loads, arc=arc)) for arc in arcs_of(self.loaded.part)}
+        return {arc: model for arc, model in found.items() if model is not None}
+
+    @cached_property
+    def points(self) -> IntArray:
+        """The points of the models on the rims of bores that a pin presses."""
+        model = self.level.model
+        units = [name for name, _ in model.units]
+        bores = {name.removesuffix(_PRESSURE) for name in units if name.endswith(_PRESSURE)}
+        return np.flatnonzero([place in bores for place in model.places])
+
+
+def in_bores(arcs: Arcs, use: FatigueUse | None, value: float) -> InBores:
     """Return how narrower arcs and uneven pressure move a check.
 
     use    how fatigue is judged; None for von Mises stress
     value  MPa, of the check, on the half circle
-    again  builds the rung's model under other loads
     """
-    part, loads = loaded.part, loaded.loads
-    if part.body is None or loads.is_nothing:
+    loaded, level = arcs.loaded, arcs.level
+    part, points = loaded.part, arcs.points
+    if part.body is None or loaded.loads.is_nothing or not len(points):
         return InBores(least=value)
     every = loaded.uneven
     counts = that_count(part, every, static=use is None)
     more = 1.0 if part.arc_stated else 1.0 + BEYOND_ARCS
-    raises = not part.arc_stated or bool(counts)
-    points = _in_bores(level)
-    if not len(points):
-        return InBores(least=value)
-    half = _largest(loaded, level, level.model, use, points, counts, more) if raises else 0.0
-    most, by_arc = half, {pi: value}
-    elsewhere = _elsewhere(level, use, value, points)
-    models = [level.model]
-    for arc in arcs_of(part):
-        model = again(replace(loads, arc=arc))
-        assert model is not None
-        models.append(model)
-        own = _largest(loaded, level, model, use, points, {}, 1.0)
-        by_arc[arc] = max(own, elsewhere)
-        raised = _largest(loaded, level, model, use, points, counts, more) if raises else own
-        most = max(most, raised)
+    elsewhere, on_half = _on_half_circle(level, use, value, points)
+    by_arc = {pi: value}
+    own = {pi: on_half}
+    for arc, model in arcs.models.items():
+        own[arc] = _largest(loaded, level, model, use, points, {}, 1.0)
+        by_arc[arc] = max(own[arc], elsewhere)
+
+    def raised(arc: float, uneven: Mapping[str, Uneven]) -> float:
+        model = arcs.models.get(arc, level.model)
+        if not uneven and not _across(model).any():
+            return more * own[arc]  # all of the stress is in proportion to what is raised
+        return _largest(loaded, level, model, use, points, uneven, more)
+
+    half = raised(pi, counts) if counts or not part.arc_stated else 0.0
+    most = max([half, *(raised(arc, counts) for arc in arcs.models)])
     evened = 0.0
     if len(counts) < len(every):
-        evened = max(_largest(loaded, level, one, use, points, every, more) for one in models)
+        evened = max(raised(arc, every) for arc in own)
     known = by_arc if len(by_arc) > 1 else None
     return InBores(half, most, min(by_arc.values()), known, evened)
 
 
-def _in_bores(level: RungLevel) -> IntArray:
-    """The points of a rung's model on the rims of bores that a pin presses."""
-    bores = _bores(level.model)
-    return np.flatnonzero([place in bores for place in level.model.places])
-
-
-def _bores(model: RungModel) -> set[str]:
-    units = [name for name, _ in model.units]
-    return {name.removesuffix(_PRESSURE) for name in units if name.endswith(_PRESSURE)}
-
-
-def _elsewhere(level: RungLevel, use: FatigueUse | None, value: float, points: IntArray) -> float:
-    """The largest beside the bores, MPa, or less."""
-    others = np.setdiff1d(np.arange(len(level.history.points)), points)
-    if not len(others):
-        return 0.0
+def _on_half_circle(
+    level: RungLevel, use: FatigueUse | None, value: float, points: IntArray
+) -> tuple[float, float]:
+    """The largest beside the bores and in them, MPa; of fatigue beside them perhaps less."""
+    known = level.history.peaks_by_point() if use is None else level.judged_duty.known
+    inside = np.isin(np.arange(len(known)), points)
+    elsewhere = value * float(known[~inside].max(initial=0.0) / known.max())
+    if known[inside].max() == known.max():
+        return elsewhere, value
     if use is None:
-        return float(level.history.peaks_by_point()[others].max())
-    known = level.judged_duty.known
-    return value * float(known[others].max() / known.max())
+        return elsewhere, float(known[inside].max())
+    history = level.history
+    used = level.judged_duty.bound[points]
+    near = points[used >= _NEAR * used.max()]
+    basis = history.basis[near]
+    return elsewhere, use.anew(level, near, basis, history.coefficients)
+
+
+def _across(model: RungModel) -> BoolArray:
+    """Which columns of a model no pin raises."""
+    return np.array([any(word in name for word in _ACROSS) for name, _ in model.units])
 
 
 def _largest(
@@ -146,12 +170,11 @@ def _largest(
         most = {bore: used[places == bore].max() for bore in set(places)}
         near = used >= _NEAR * np.array([most[bore] for bore in places])
         points, places = points[near], places[near]
-    across = np.array([any(word in name for word in _ACROSS) for name in units])
     factors: FloatArray = np.full((len(points), len(units)), more)
     for bore, one in uneven.items():
         pressed = np.array([name.startswith(f"{bore} ") for name in units])
         factors[np.ix_(places == bore, pressed)] *= one.most
-    factors[:, across] = 1.0
+    factors[:, _across(model)] = 1.0
     raised = history.basis[points] * factors[:, None, :]
     if use is not None:
         return use.anew(level, points, raised, history.coefficients, loaded.loads.cycles)

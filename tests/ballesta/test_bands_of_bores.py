@@ -15,7 +15,7 @@ from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.ladder.levels import Asked, solve_levels
 from checks.models import shapes
 from checks.models.checked import band_around, rung_estimates, rung_level
-from checks.models.in_bores import in_bores
+from checks.models.in_bores import Arcs, in_bores
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from checks.strength.part_strength import endurance_of, fatigue_use
@@ -137,7 +137,7 @@ def test_a_bore_that_carries_less_than_the_peak_widens_nothing():
     level = rung_level(loaded, shapes.model_of(part, loads))
     again = partial(shapes.model_of, part)
     found = rung_estimates(loaded, level, None, again)["static"].check
-    assert 0.0 < in_bores(loaded, level, None, found.value, again).most < found.value
+    assert 0.0 < in_bores(Arcs(loaded, level, again), None, found.value).most < found.value
     assert "more in bores" not in found.note
 
 
@@ -150,5 +150,6 @@ def test_couples_out_of_the_plane_are_not_raised_in_a_rungs_bores():
     level = rung_level(loaded, shapes.model_of(part, loads))
     assert level.place(level.peak.point).startswith("first (")
     again = partial(shapes.model_of, part)
-    raised = in_bores(loaded, level, None, level.peak.value, again).half / level.peak.value
+    raised = in_bores(Arcs(loaded, level, again), None, level.peak.value).half
+    raised /= level.peak.value
     assert 1.0 < raised < 1.0 + 0.8 * BEYOND_ARCS

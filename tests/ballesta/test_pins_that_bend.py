@@ -22,7 +22,7 @@ from checks.ladder.result import cheap_result
 from checks.ladder.solid import check_solid
 from checks.models import shapes
 from checks.models.checked import rung_estimates, rung_level
-from checks.models.in_bores import InBores, in_bores
+from checks.models.in_bores import Arcs, InBores, in_bores
 from checks.part import pressed_along
 from checks.part.loaded_part import LoadedPart
 from checks.part.pressed_along import that_count
@@ -74,7 +74,7 @@ def again(loaded):
 
 def bores_of(loaded, level, use=None) -> InBores:
     value = level.peak.value if use is None else use.value(level)
-    return in_bores(loaded, level, use, value, again(loaded))
+    return in_bores(Arcs(loaded, level, again(loaded)), use, value)
 
 
 @pytest.fixture(scope="module")

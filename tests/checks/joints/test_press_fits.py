@@ -26,7 +26,7 @@ from checks.ladder.levels import first_level, level_on
 from checks.models import shapes
 from checks.models.checked import rung_level
 from checks.models.formula_points import PRESSED_IN
-from checks.models.in_bores import in_bores
+from checks.models.in_bores import Arcs, in_bores
 from checks.part.loaded_part import LoadedPart
 from checks.stress.clearances import values_at
 from checks.stress.judged import RaisedInBores, StaticPeak, direct_under
@@ -338,7 +338,7 @@ def test_a_bent_pin_and_loose_arcs_raise_no_bush(tmp_path):
     still = loaded.under(alone)
     level = rung_level(still, shapes.model_of(loaded.part, alone))
     value, again = level.peak.value, partial(shapes.model_of, loaded.part)
-    found = in_bores(still, level, None, value, again)
+    found = in_bores(Arcs(still, level, again), None, value)
     assert_allclose(found.half, value, rtol=1e-9)
     assert_allclose(found.most, value, rtol=2e-3)  # the series with more harmonics
     solid = level_on(still, first_level(loaded, Models()).solutions, 0.7, 100.0)
