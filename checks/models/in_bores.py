@@ -33,6 +33,7 @@ _PRESSURE = " cos 0"  # the unit load that only an interface with a bearing pres
 # in names of unit loads: couples out of the linkage's plane, and bushes, which no pin raises
 _ACROSS = ("M_x", "M_y", "torque", PRESSED_IN)
 _NEAR = 0.8  # of the largest fatigue use in bores: points that are asked again
+_HIGH = 0.6  # of the peak: positions that are asked on other arcs
 
 
 @dataclass(frozen=True)
@@ -125,18 +126,30 @@ def _on_half_circle(
     level: RungLevel, use: FatigueUse | None, value: float, points: IntArray
 ) -> tuple[float, float]:
     """The largest beside the bores and in them, MPa; of fatigue beside them perhaps less."""
-    known = level.history.peaks_by_point() if use is None else level.judged_duty.known
-    inside = np.isin(np.arange(len(known)), points)
-    elsewhere = value * float(known[~inside].max(initial=0.0) / known.max())
-    if known[inside].max() == known.max():
-        return elsewhere, value
+    history, others = level.history, np.setdiff1d(np.arange(len(level.history.points)), points)
     if use is None:
-        return elsewhere, float(known[inside].max())
-    history = level.history
-    used = level.judged_duty.bound[points]
+        inside = level.peak.point in points
+        other = _peak(level, history, others if inside else points)
+        return (other, value) if inside else (value, other)
+    known, used = level.judged_duty.known, level.judged_duty.bound[points]
+    elsewhere = value * float(known[others].max(initial=0.0) / known.max())
+    if known[points].max() == known.max():
+        return elsewhere, value
     near = points[used >= _NEAR * used.max()]
-    basis = history.basis[near]
-    return elsewhere, use.anew(level, near, basis, history.coefficients)
+    return elsewhere, use.anew(level, near, history.basis[near], history.coefficients)
+
+
+def _peak(
+    level: RungLevel, history: StressHistory, points: IntArray, basis: FloatArray | None = None
+) -> float:
+    """The largest von Mises stress at some points, of some basis, where positions strain most."""
+    if not len(points):
+        return 0.0
+    peaks = level.peaks_by_position
+    states = history.coefficients[:, peaks >= _HIGH * peaks.max()]
+    own = history.basis[points] if basis is None else basis
+    found = StressHistory(history.nodes[points], history.points[points], own, states)
+    return float(found.peaks_by_point().max())
 
 
 def _across(model: RungModel) -> BoolArray:
@@ -154,6 +167,8 @@ def _largest(
     more: float,
 ) -> float:
     """The largest stress in bores, MPa, under more of the forces in the plane.
+
+    Fatigue on other arcs is between the two positions that govern on the half circle, as of solids.
 
     As in a solid (checks/stress/error_bars.py), the stress of couples out of the plane and of
     bushes that are pressed in stays.
@@ -176,7 +191,9 @@ def _largest(
         factors[np.ix_(places == bore, pressed)] *= one.most
     factors[:, _across(model)] = 1.0
     raised = history.basis[points] * factors[:, None, :]
-    if use is not None:
+    if use is None:
+        return _peak(level, history, points, raised)
+    if model is level.model:
         return use.anew(level, points, raised, history.coefficients, loaded.loads.cycles)
-    own = history.nodes[points], history.points[points]
-    return float(StressHistory(*own, raised, history.coefficients).peaks_by_point().max())
+    pair = history.coefficients[:, list(use.worst(level).pair)]
+    return use.of_states(level, raised @ pair, level.limits[points])

@@ -90,8 +90,12 @@ class FatigueUse(Judged):
         under = under or direct_under
         limits = level.limits[level.in_bores] if isinstance(under, RaisedInBores) else level.limits
         pair = [under(self.loads, level, k, numbers) for k in self.worst(level).pair]
-        stress, share = np.stack(pair, axis=2), self._over_pair(level)
-        return [share * self._of_pair(stress[..., k], limits) for k in range(len(numbers))]
+        stress = np.stack(pair, axis=2)
+        return [self.of_states(level, stress[..., k], limits) for k in range(len(numbers))]
+
+    def of_states(self, level: Stressed, stress: FloatArray, limits: FloatArray) -> float:
+        """The quantity between two states, stress (n, 6, 2) of the same two positions, MPa."""
+        return self._over_pair(level) * self._of_pair(stress, limits)
 
     def band(self, level: Stressed) -> tuple[float, str]:
         """How far another criterion of the same strength lies above, MPa, and what is said of it.
