@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
-from fem.singularity import concave_curvatures, notch_error
+from fem.singularity import across_notches, concave_curvatures, notch_error
 from geometry.meshing import mesh_shape
 from geometry.parts import PlateLink
 
@@ -35,3 +36,11 @@ def test_elements_larger_than_the_radius_see_a_sharp_corner():
     """Four times the size, and so a corner's stress at four times the distance: half of it."""
     assert (1 + notch_error(8.0, 1.0)) / (1 + notch_error(2.0, 1.0)) == pytest.approx(2.0)
     assert notch_error(1.5 + 1e-9, 1.0) == pytest.approx(0.17 * 1.5**2)
+
+
+def test_across_a_hole_is_around_it(link):
+    """Unit vectors; none on flat faces."""
+    across = across_notches(link)
+    for place, wanted in (((0, 5, 0), (1, 0, 0)), ((5, 0, 0), (0, 1, 0))):
+        assert_allclose(np.abs(across[at(link, *place)]), wanted, atol=0.25)  # facets beside it
+    assert not across[at(link, 30, 15, 0)].any()
