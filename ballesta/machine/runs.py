@@ -35,7 +35,7 @@ from checks.design.errors import DesignError
 from checks.handbook.fits import DEFAULT, clearances_of
 from checks.part.part_loads import Doubt, Runs, shown_name
 from checks.result.verdict import Gate
-from checks.result.words import END_OF_TRAVEL, HITS, number
+from checks.result.words import END_OF_TRAVEL, HITS, LESS_IN, WOULD_HIT, number
 from checks.store.store import Store
 from checks.stress.kept_models import Models
 from geometry.mesh import Interface
@@ -119,9 +119,10 @@ def _taken(stated: Sequence[str], cushioned: list[_Told]) -> list[tuple[str, str
 
 def _worst(told: list[_Told]) -> str:
     """The pin that hits hardest beside its joint's largest force, in words."""
-    _, point, said = max(told, key=lambda one: one[0])
-    others = f" (less in {len(told) - 1} more)" if len(told) > 1 else ""
-    return f"{point} hits its bore by up to {said} where its force reverses{others}"
+    (_, point, said), *others = sorted(told, key=lambda one: -one[0])
+    less = ", ".join(dict.fromkeys(other for _, other, _ in others if other != point))
+    behind = f" ({LESS_IN} {less})" if less else ""
+    return f"{point} {WOULD_HIT} {said} where its force reverses{behind}"
 
 
 def _inertia(design: Design, cycle: str) -> float:
