@@ -318,17 +318,16 @@ def doubts_of(design: Design, machine: MachineRuns) -> MachineDoubts:
 def stop_doubts(design: Design, solved: Solved) -> tuple[list[LoadPair], list[Gate]]:
     """The loads of all cycles whose stop has a tolerance that is in the bars.
 
-    Cycles that end at the same mechanical stop move together. None with `dynamics.apply`: what
-    vibration adds is known at the cycle's own positions only.
+    Cycles that end at the same mechanical stop move together. With `dynamics.apply` there are no
+    such loads, as what vibration adds is known at the cycle's own positions only: a validity check
+    binds then, too.
     """
     pairs: list[LoadPair] = []
     gates: list[Gate] = []
-    if design.dynamics.apply:
-        return pairs, gates
     stops: dict[tuple[object, ...], list[str]] = {}
     for name, cycle in solved.items():
         stop, run = design.cycles[name].stop, design.cycles[name].run
-        if stop is None:
+        if stop is None or not stop.tolerance:
             continue
         if is_near_dead_centre(cycle):
             stops[name,] = [name]
@@ -338,6 +337,11 @@ def stop_doubts(design: Design, solved: Solved) -> tuple[list[LoadPair], list[Ga
     for names in stops.values():
         first = names[0]
         near = is_near_dead_centre(solved[first])
+        if design.dynamics.apply:
+            if not near:
+                said = "vibration is on the loads"
+                gates.append(_unknown_end(first, said, "or dynamics.apply=false"))
+            continue
         ends: list[dict[str, loads.CycleLoads]] = []
         stop = design.cycles[first].stop
         assert stop is not None
@@ -351,7 +355,8 @@ def stop_doubts(design: Design, solved: Solved) -> tuple[list[LoadPair], list[Ga
             words = f"{first}: {END_OF_TRAVEL} {size:.3g} {unit}"
             pairs.append(LoadPair(words, (low, high), dead_centre_gate(first) if near else ""))
         elif not near:
-            gates.append(_beyond(first))
+            said = "it reaches a dead centre, or where the linkage cannot go"
+            gates.append(_unknown_end(first, said, "or end the travel before"))
     return pairs, gates
 
 
@@ -360,14 +365,13 @@ def _farthest(run: loads.Cycle) -> float:
     return max((phase.stop for phase in run.phases), key=lambda end: abs(end - run.start))
 
 
-def _beyond(cycle: str) -> Gate:
+def _unknown_end(cycle: str, why: str, otherwise: str) -> Gate:
     return Gate(
         f"{cycle}: end of its travel",
         1.0,
         0.0,
-        "stops whose tolerance reaches a dead centre, or where the linkage cannot go: there are no "
-        "loads for the bars",
-        cure=f"State a smaller cycles.{cycle}.stop.tolerance, or end the travel before",
+        f"stops whose tolerance has no loads for the bars: {why}",
+        cure=f"State a smaller cycles.{cycle}.stop.tolerance, 0 for none, {otherwise}",
     )
 
 

@@ -94,6 +94,14 @@ def test_a_mechanical_stop_far_from_it_moves_all_cycles_that_end_there():
         assert ends == pytest.approx([(2 / 3) ** 0.5, 2**0.5], rel=0.01)
 
 
+def test_a_mechanical_stop_of_a_machine_with_its_vibration_applied_binds_unless_it_has_none():
+    pairs, (gate,) = stop_doubts(*mechanical("1 mm", "dynamics.apply=true"))
+    assert pairs == []
+    assert not gate.holds
+    assert "vibration is on the loads" in gate.told
+    assert stop_doubts(*mechanical("0 mm", "dynamics.apply=true")) == ([], [])
+
+
 def test_cycles_that_end_at_other_stops_are_doubted_one_by_one():
     pairs, _ = stop_doubts(*mechanical("1 mm", "cycles.capacity.stop.tolerance=0.5 mm"))
     assert [pair.words.partition(":")[0] for pair in pairs] == ["press", "capacity"]
