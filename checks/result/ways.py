@@ -26,6 +26,7 @@ from checks.result.words import (
     INTERFERENCE,
     LESS_IN,
     SPEED_DOUBTS,
+    TOO_MANY,
     WOULD_HIT,
     check_titles,
     gate_sentence,
@@ -454,6 +455,10 @@ def _by_model(result: DesignResult, check: Check, settles: str, part: PartResult
     if not tried or check.kind not in tried[-1].left or check.method.startswith(SOLID):
         return
     expected = tried[-1].expected
+    if tried[-1].why.startswith(TOO_MANY):
+        why, _, cure = tried[-1].why.partition("; it may settle")[0].partition("; ")
+        yield Way(settles, f"let a solid judge it: {why}, so {cure}")
+        return
     if any(one.rung == SOLID and not one.expected for one in tried):
         return  # the solid gave up
     fidelity = "" if expected or _asked(result) else f" --fidelity {SOLID}"

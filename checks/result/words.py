@@ -12,6 +12,7 @@ CONTACT = ": contact of its pins"  # ends the name of the gate of a part whose p
 _TURNING = {0x061C, 0x200E, 0x200F, *range(0x202A, 0x202F), *range(0x2066, 0x206A)}
 
 
+TOO_MANY = "mesh.most_unknowns"  # begins why a solid was left out whose first mesh has more
 UNKNOWN_BAR = "no error bar: "  # in a check's note, before why it has none
 DOUBTED = "loads not known for certain"  # begins the part of a note that tells load bars
 # words of doubts about loads
