@@ -360,7 +360,7 @@ def _hit(result: DesignResult, part: PartResult, bores: Iterable[str]) -> list[s
 
 
 def _input(result: DesignResult, part: str, key: str) -> str:
-    """What a part states, or the one that it is like."""
+    """Value of a key of a part, stated by itself or by the one that it is like; "" for none."""
     inputs = dict(result.inputs)
     while part and f"parts.{part}.{key}" not in inputs:
         part = inputs.get(f"parts.{part}.like", "")
