@@ -86,7 +86,8 @@ def check_above(field: str, value: float, limit: float, unit: str = "mm") -> Non
 def check_at_least(field: str, value: float, limit: float, unit: str = "mm") -> None:
     """Raise ParameterError unless the value is at least the limit, but for round-off."""
     if not within(limit, value):
-        raise ParameterError(field, f"must be at least {limit:g} {unit}, got {value:g} {unit}")
+        behind = f" {unit}" if unit else ""
+        raise ParameterError(field, f"must be at least {limit:g}{behind}, got {value:g}{behind}")
 
 
 def check_at_most(field: str, value: float, limit: float, because: str, unit: str = "mm") -> None:

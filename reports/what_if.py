@@ -293,10 +293,12 @@ class _Levers:
         """Factor on all loads, and a check by it whose pins press by contact."""
         lever, kinds = self.load(), self.parts[check.part].charts.get("pins", {}).get("kinds", {})
         own, now = kinds.get(check.kind), float(lever.now)
+        if not isfinite(check.upper):
+            return lever, [None] * len(lever.changes)
         if self.lasts(check):
             as_it_is = Pressed(1.0, check.upper / check.value, check.lower / check.value)
             return lever, [as_it_is if text == lever.now else None for text in lever.changes]
-        if own is None or not isfinite(check.upper):
+        if own is None:
             return lever, [None] * len(lever.changes)
         return lever, [_by_load(check, own, float(text) / now) for text in lever.changes]
 

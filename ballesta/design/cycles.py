@@ -162,6 +162,8 @@ def _cycle(read: Reading, name: str, entry: CycleEntry) -> Cycle | None:
         shown = Shown(entry.shown.name, zero, entry.shown.sign)
     if entry.stop is not None:
         stop = Stop(entry.stop.basis, along("stop.tolerance", entry.stop.tolerance))
+        if stop.tolerance < 0.0:
+            problems.add(f"{key}.stop.tolerance", "must be at least 0: it counts to either side")
     if entry.friction is not None:
         friction = friction_of(f"{key}.friction", entry.friction, read.file, read.joints, problems)
     with telling(problems, f"{key}.pace"):

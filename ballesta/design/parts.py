@@ -21,6 +21,7 @@ from checks.design.model import (
     BeamPartEntry,
     BodyPartEntry,
     DesignFile,
+    PinPartEntry,
     PlatePartEntry,
     StepPartEntry,
     WeldEntry,
@@ -239,7 +240,7 @@ def parts_of(
             problems.add(f"{key}.{error.field}", error.problem)
             continue
         fkm = fkm_of(key, entry, material, geometry, problems) if material.ductile else None
-        clearances = _clearances(key, entry, geometry, problems)
+        clearances = _clearances(key, entry, file, geometry, problems)
         welds = welds_of(key, entry, geometry, material, problems)
         _check_edges(key, entry, geometry, problems)
         made = _part(name, entry, file, geometry, material, rollers, fkm, clearances)
@@ -291,7 +292,7 @@ def _bush_materials(
 
 
 def _clearances(
-    key: str, entry: Any, geometry: Shape, problems: Problems
+    key: str, entry: Any, file: DesignFile, geometry: Shape, problems: Problems
 ) -> dict[str, tuple[float, float]]:
     """Least and largest clearance of the pin in each bore whose fit is stated, mm on diameter."""
     found: dict[str, tuple[float, float]] = {}
@@ -308,10 +309,9 @@ def _clearances(
         if name not in bores:
             problems.add(f"{key}.fits.{name}", no_such("bore of the part", name, bores))
             continue
+        nominal = _pin_in_bush(file, entry, name) or 2 * bores[name].radius
         try:
-            found[name] = (
-                fit if isinstance(fit, tuple) else clearances_of(fit, 2 * bores[name].radius)
-            )
+            found[name] = fit if isinstance(fit, tuple) else clearances_of(fit, nominal)
         except ValueError as error:
             problems.add(f"{key}.fits.{name}", str(error))
             continue
@@ -322,6 +322,16 @@ def _clearances(
                 f"of {2 * bores[name].radius:g} mm; is it in another unit?",
             )
     return found
+
+
+def _pin_in_bush(file: DesignFile, entry: BodyPartEntry, bore: str) -> float | None:
+    """Diameter of the pin that runs in the bush of a bore, mm; None of a bore without a bush."""
+    for pin in file.parts.values():
+        if isinstance(pin, PinPartEntry) and pin.joint == entry.interfaces.get(bore):
+            for lug in pin.stack:
+                if lug.body == entry.body and lug.bush is not None:
+                    return lug.diameter or vars(pin).get("diameter")
+    return None
 
 
 def _check_edges(key: str, entry: Any, geometry: Shape, problems: Problems) -> None:

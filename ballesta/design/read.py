@@ -348,8 +348,9 @@ def _wording(detail: dict[str, Any], way: Way) -> str:
     if kind in ("greater_than", "greater_than_equal"):
         word, bound = ("above", "gt") if kind == "greater_than" else ("at least", "ge")
         return f"must be {word} {context[bound]:g}, got {shown}"
-    if kind == "less_than_equal":
-        return f"must be at most {context['le']}, got {shown}"
+    if kind in ("less_than", "less_than_equal"):
+        word, bound = ("below", "lt") if kind == "less_than" else ("at most", "le")
+        return f"must be {word} {context[bound]:g}, got {shown}"
     wanted = {
         "model_type": "a table", "model_attributes_type": "a table", "dict_type": "a table",
         "list_type": "a list", "string_type": "text", "float_type": "a number",

@@ -35,7 +35,7 @@ from checks.design.errors import DesignError
 from checks.handbook.fits import DEFAULT, clearances_of
 from checks.part.part_loads import Doubt, Runs, shown_name
 from checks.result.verdict import Gate
-from checks.result.words import END_OF_TRAVEL, HITS, number
+from checks.result.words import END_OF_TRAVEL, HITS, LESS_IN, WOULD_HIT, number
 from checks.store.store import Store
 from checks.stress.kept_models import Models
 from geometry.mesh import Interface
@@ -119,9 +119,10 @@ def _taken(stated: Sequence[str], cushioned: list[_Told]) -> list[tuple[str, str
 
 def _worst(told: list[_Told]) -> str:
     """The pin that hits hardest beside its joint's largest force, in words."""
-    _, point, said = max(told, key=lambda one: one[0])
-    others = f" (less in {len(told) - 1} more)" if len(told) > 1 else ""
-    return f"{point} hits its bore by up to {said} where its force reverses{others}"
+    (_, point, said), *others = sorted(told, key=lambda one: -one[0])
+    less = ", ".join(dict.fromkeys(other for _, other, _ in others if other != point))
+    behind = f" ({LESS_IN} {less})" if less else ""
+    return f"{point} {WOULD_HIT} {said} where its force reverses{behind}"
 
 
 def _inertia(design: Design, cycle: str) -> float:
@@ -279,9 +280,10 @@ def doubts_of(design: Design, machine: MachineRuns) -> MachineDoubts:
     evenness = evenness_of(design, machine.rigid)
     rubbing, unsolved = friction_pairs(design, machine.rigid)
     hitting, without_fit = play_pairs(design, machine.rigid)
+    stopping, beyond = stop_doubts(design, machine.rigid)
     pairs = [
         *speed_doubts(design, machine.rigid, evenness),
-        *stop_doubts(design, machine.rigid),
+        *stopping,
         *rubbing,
         *hitting,
     ]
@@ -299,47 +301,90 @@ def doubts_of(design: Design, machine: MachineRuns) -> MachineDoubts:
     return MachineDoubts(
         evenness,
         {pair.gate for pair in pairs if pair.gate},
-        [*speed_gates(evenness), *unsolved, *swing_gates([end.blows for end in ends])],
+        [*speed_gates(evenness), *unsolved, *beyond, *swing_gates([end.blows for end in ends])],
         doubts,
         [*speed_assumptions(evenness), *without_fit],
     )
 
 
-# Ends of a travel beside a dead centre: the loads where it ends a little sooner or later.
+# Ends of a travel: the loads where it ends a little sooner or later.
 #
-# Next to a dead centre the loads of rigid bodies depend on where the travel ends. What its stop
-# is off by at most is stated (`stop.tolerance`), so the loads at both ends of that are a doubt
-# with bars. Where one of them comes next to the dead centre itself no bar tells anything: the
-# gate binds.
+# What a stop is off by at most is stated (`stop.tolerance`), so the loads at both ends of that are
+# a doubt with bars: of every mechanical stop, and of an assumed one next to a dead centre, where
+# the loads of rigid bodies depend on where the travel ends. Where one of its ends comes next to the
+# dead centre itself no bar tells anything: a validity check binds.
 
 
-def stop_doubts(design: Design, solved: Solved) -> list[LoadPair]:
-    """The loads of every cycle that comes too near to a dead centre at a stop with a tolerance.
+def stop_doubts(design: Design, solved: Solved) -> tuple[list[LoadPair], list[Gate]]:
+    """The loads of all cycles whose stop has a tolerance that is in the bars.
 
-    None with `dynamics.apply`: what vibration adds is known at the cycle's own positions only.
+    Cycles that end at the same mechanical stop move together. With `dynamics.apply` there are no
+    such loads, as what vibration adds is known at the cycle's own positions only: a validity check
+    binds then, too.
     """
-    found = []
+    pairs: list[LoadPair] = []
+    gates: list[Gate] = []
+    stops: dict[tuple[object, ...], list[str]] = {}
     for name, cycle in solved.items():
-        stop = design.cycles[name].stop
-        if stop is None or design.dynamics.apply or not is_near_dead_centre(cycle):
+        stop, run = design.cycles[name].stop, design.cycles[name].run
+        if stop is None or not stop.tolerance:
             continue
-        moved = [_moved(design, name, cycle, way * stop.tolerance) for way in (-1.0, 1.0)]
-        if all(moved):
-            _, unit = shown_name(design.cycles[name])
+        if is_near_dead_centre(cycle):
+            stops[name,] = [name]
+        elif stop.basis == "mechanical":
+            end = round(_farthest(run), 9)
+            stops.setdefault((str(run.coordinate), end, stop.tolerance), []).append(name)
+    for names in stops.values():
+        first = names[0]
+        near = is_near_dead_centre(solved[first])
+        if design.dynamics.apply:
+            if not near:
+                said = "vibration is on the loads"
+                gates.append(_unknown_end(first, said, "or dynamics.apply=false"))
+            continue
+        ends: list[dict[str, loads.CycleLoads]] = []
+        stop = design.cycles[first].stop
+        assert stop is not None
+        for way in (-1.0, 1.0):
+            moved = {n: _moved(design, n, solved[n], way * stop.tolerance, near) for n in names}
+            ends.append({n: cycle for n, cycle in moved.items() if cycle is not None})
+        if all(len(end) == len(names) for end in ends):
+            _, unit = shown_name(design.cycles[first])
             size = float(np.degrees(stop.tolerance)) if unit == "deg" else stop.tolerance
-            first, second = ({**solved, name: end} for end in moved if end is not None)
-            words = f"{name}: {END_OF_TRAVEL} {size:.3g} {unit}"
-            found.append(LoadPair(words, (first, second), dead_centre_gate(name)))
-    return found
+            low, high = ({**solved, **end} for end in ends)
+            words = f"{first}: {END_OF_TRAVEL} {size:.3g} {unit}"
+            pairs.append(LoadPair(words, (low, high), dead_centre_gate(first) if near else ""))
+        elif not near:
+            said = "it reaches a dead centre, or where the linkage cannot go"
+            gates.append(_unknown_end(first, said, "or end the travel before"))
+    return pairs, gates
+
+
+def _farthest(run: loads.Cycle) -> float:
+    """End of a cycle's phases that is farthest from its start."""
+    return max((phase.stop for phase in run.phases), key=lambda end: abs(end - run.start))
+
+
+def _unknown_end(cycle: str, why: str, otherwise: str) -> Gate:
+    return Gate(
+        f"{cycle}: end of its travel",
+        1.0,
+        0.0,
+        f"stops whose tolerance has no loads for the bars: {why}",
+        cure=f"State a smaller cycles.{cycle}.stop.tolerance, 0 for none, {otherwise}",
+    )
 
 
 def _moved(
-    design: Design, name: str, cycle: loads.CycleLoads, by: float
+    design: Design, name: str, cycle: loads.CycleLoads, by: float, near: bool
 ) -> loads.CycleLoads | None:
-    """The cycle with the end next to the dead centre elsewhere; None where that tells nothing."""
+    """The cycle with its stop elsewhere, the end next to the dead centre where one is near.
+
+    None where that tells nothing.
+    """
     run = design.cycles[name].run
     worst = int(cycle.conditioning.argmin())
-    at = float(cycle.positions[worst])
+    at = float(cycle.positions[worst]) if near else _farthest(run)
     ends = np.array([run.start, *(phase.stop for phase in run.phases)])
     there = np.abs(ends - at) <= _AT_END * float(np.ptp(ends))
     if not there.any():

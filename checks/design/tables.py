@@ -277,7 +277,10 @@ class StopEntry(Table):
     basis: Literal["assumed", "mechanical"] = Field(
         description="mechanical: a stop ends the travel there; assumed: nothing does"
     )
-    tolerance: LengthOrAngle = Field(description="+- deviation of the travel's end")
+    tolerance: LengthOrAngle = Field(
+        description="+- deviation of the travel's end; of a mechanical stop the loads at both of "
+        "its ends are in the error bars"
+    )
 
 
 class TableLaw(Table):

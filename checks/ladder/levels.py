@@ -9,6 +9,7 @@ from checks.design.data import Part
 from checks.design.errors import DesignError
 from checks.part.loaded_part import FIRST, LoadedPart
 from checks.result.verdict import Check
+from checks.result.words import TOO_MANY
 from checks.strength.part_strength import elastic_of, endurance_of
 from checks.stress.error_bars import mesh_bar
 from checks.stress.judged import Judged
@@ -236,6 +237,6 @@ def first_mesh(part: Part, shape: Buildable, fineness: float, models: Models) ->
 
 def _too_many(part: Part, found: str) -> TooManyElementsError:
     return TooManyElementsError(
-        f"mesh.most_unknowns is {part.most_unknowns}, but the first mesh of mesh.fineness "
+        f"{TOO_MANY} is {part.most_unknowns}, but the first mesh of mesh.fineness "
         f"{part.fineness:g} {found} unknowns; allow at least twice as many, or lower mesh.fineness"
     )

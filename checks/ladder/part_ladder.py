@@ -15,8 +15,8 @@ from checks.derivations.bars import rung_bars
 from checks.derivations.buckling import elastic_share
 from checks.derivations.stresses import fatigue, static
 from checks.design.data import Design, Part
+from checks.design.effort import AUTO, FORMULA, SOLID, SWEPT
 from checks.design.effort import DEFAULT_EFFORT as DEFAULT_EFFORT
-from checks.design.effort import FORMULA, SOLID, SWEPT
 from checks.design.effort import Effort as Effort
 from checks.design.errors import DesignError, NumericsError
 from checks.ladder.carried import Neighbour, carried_result
@@ -33,6 +33,7 @@ from checks.part.too_fine import gave_up, told_of_size
 from checks.result.derivation import BARS, BarSymbols, Derivation, Given, Item, Section
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import Check, PartResult
+from checks.result.words import TOO_MANY
 from checks.stress.kept_models import check_seconds, report_seconds
 from checks.stress.solid_mesh_level import Models
 from checks.stress.stress_result import RungLevel
@@ -156,15 +157,22 @@ class Ladder:
                 return
             self.say(f"{name}: solving")
             pinned = self._pinned.get(name)
-            self.results[name] = solid_result(
-                climb,
-                self.models,
-                self.say,
-                everything=self.effort.fidelity == SOLID and pinned is None,
-                deadline=self.deadline,
-                pinned=pinned,
-                live=self.live,
-            )
+            try:
+                self.results[name] = solid_result(
+                    climb,
+                    self.models,
+                    self.say,
+                    everything=self.effort.fidelity == SOLID and pinned is None,
+                    deadline=self.deadline,
+                    pinned=pinned,
+                    live=self.live,
+                )
+            except TooManyElementsError as error:
+                if climb.level is None or self.effort.fidelity != AUTO or pinned is not None:
+                    raise
+                climb.skip(SOLID, f"{error}; it may settle {', '.join(climb.open)}")
+                self._settle(name)
+                return
             if name in self._why_anew:
                 assumed = [
                     *self.results[name].assumed,
@@ -229,12 +237,12 @@ class Ladder:
 
 
 def time_warnings(results: Sequence[PartResult]) -> list[str]:
-    """Warnings of solids that the time limit left out, with the checks they may settle."""
+    """Warnings of solids that time or unknowns left out, with the checks they may settle."""
     return [
         f"{result.name}: solid: {tried.why}"
         for result in results
         for tried in result.rungs
-        if tried.rung == SOLID and tried.why.startswith("no time")
+        if tried.rung == SOLID and tried.why.startswith(("no time", TOO_MANY))
     ]
 
 

@@ -24,7 +24,10 @@ from checks.result.words import (
     END_OF_TRAVEL,
     HITS,
     INTERFERENCE,
+    LESS_IN,
     SPEED_DOUBTS,
+    TOO_MANY,
+    WOULD_HIT,
     check_titles,
     gate_sentence,
     need_text,
@@ -243,17 +246,16 @@ def _by_play(result: DesignResult, check: Check, settles: str) -> Iterator[Way]:
     if not hits or known.status is Status.UNDECIDED:
         return
     joints = [words.removesuffix(f" {HITS}").rpartition(" in ")[2] for words, *_ in hits]
-    points = ", ".join(f'"{point}"' for point in dict.fromkeys(j.partition(":")[0] for j in joints))
+    points = dict.fromkeys(joint.partition(":")[0] for joint in joints)
     text = (
         f"state that oil, preload or friction slows the pins of {', '.join(joints)} as they cross "
         "their play (dynamics.cushioned), or closer fits, or how joints give way (elastic.joints): "
         f"without their hits, bounds of rigid bodies on steel, it is a {known.status}"
     )
-    if "dynamics.cushioned" in {key for key, _ in result.assumed}:  # the list would be replaced
+    if _is_cushioned(result):
         yield Way(settles, text)
     else:
-        stated = f"dynamics.cushioned=[{points}]"
-        yield Way(settles, text, _with(result, stated), _again(result))
+        yield Way(settles, text, _with(result, _cushioned(points)), _again(result))
 
 
 def _by_positions(check: Check, settles: str) -> Iterator[Way]:
@@ -311,26 +313,68 @@ def _by_clearance(
     }
     if not found:
         return
+    hit = _hit(result, part, found)
+    slowed = (
+        f", and that oil, preload or friction slows those of {', '.join(hit)} as they cross their "
+        "play (dynamics.cushioned), else bounds of their hits join its bars"
+        if hit
+        else ""
+    )
     if any(bore in part.charts.get("pressed", ()) for bore in found):
         left = " and ".join(f"{most:g} mm in {bore}" for bore, most in found.items())
         yield Way(
             settles,
-            "state the fit of its pins (fits) before the bushes are pressed in: it passes with "
-            f"clearances of up to {left} that these leave",
+            f"state the fit of its pins (fits) before the bushes are pressed in{slowed}: it passes "
+            f"with clearances of up to {left} that these leave",
         )
         return
     fits = {f"fits.{bore}": f'"0 .. {most:g} mm"' for bore, most in found.items()}
     if f"parts.{part.name}.bearing_arc" in {key for key, _ in result.defaults}:
         clearance = f"{max(found.values()):g} mm"
-        text = f"state the fit of its pins (fits): it passes with clearances up to {clearance}"
+        text = (
+            f"state the fit of its pins (fits){slowed}: it passes with clearances up to {clearance}"
+        )
         stated = [f"parts.{part.name}.{key}={value}" for key, value in fits.items()]
-        yield Way(settles, text, _with(result, *stated), _again(result))
+        if hit:
+            stated.append(_cushioned(hit))
+        if hit and _is_cushioned(result):
+            yield Way(settles, text)
+        else:
+            yield Way(settles, text, _with(result, *stated), _again(result))
     else:
         stated = [f"{key} = {value}" for key, value in fits.items()]
         text = (
-            f"state the fit of its pins instead of bearing_arc: it passes with {', '.join(stated)}"
+            f"state the fit of its pins instead of bearing_arc{slowed}: it passes with "
+            f"{', '.join(stated)}"
         )
         yield Way(settles, text)
+
+
+def _hit(result: DesignResult, part: PartResult, bores: Iterable[str]) -> list[str]:
+    """Points of bores whose pins would hit them, were their fits stated."""
+    worst, _, others = dict(result.assumed).get("parts.fits", "").partition(f" {WOULD_HIT} ")
+    less = others.partition(f"({LESS_IN} ")[2].partition(")")[0]
+    named = {worst.rpartition(" ")[2], *less.split(", ")}
+    points = [_input(result, part.name, f"interfaces.{bore}") for bore in bores]
+    return [point for point in dict.fromkeys(points) if point and point in named]
+
+
+def _input(result: DesignResult, part: str, key: str) -> str:
+    """Value of a key of a part, stated by itself or by the one that it is like; "" for none."""
+    inputs = dict(result.inputs)
+    while part and f"parts.{part}.{key}" not in inputs:
+        part = inputs.get(f"parts.{part}.like", "")
+    return inputs.get(f"parts.{part}.{key}", "")
+
+
+def _cushioned(points: Iterable[str]) -> str:
+    quoted = ", ".join(f'"{point}"' for point in points)
+    return f"dynamics.cushioned=[{quoted}]"
+
+
+def _is_cushioned(result: DesignResult) -> bool:
+    """True where the design states cushioned pins: another list would replace its own."""
+    return "dynamics.cushioned" in {key for key, _ in result.assumed}
 
 
 def _by_bush(check: Check, settles: str) -> Iterator[Way]:
@@ -411,6 +455,10 @@ def _by_model(result: DesignResult, check: Check, settles: str, part: PartResult
     if not tried or check.kind not in tried[-1].left or check.method.startswith(SOLID):
         return
     expected = tried[-1].expected
+    if tried[-1].why.startswith(TOO_MANY):
+        why, _, cure = tried[-1].why.partition("; it may settle")[0].partition("; ")
+        yield Way(settles, f"let a solid judge it: {why}, so {cure}")
+        return
     if any(one.rung == SOLID and not one.expected for one in tried):
         return  # the solid gave up
     fidelity = "" if expected or _asked(result) else f" --fidelity {SOLID}"

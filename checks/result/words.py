@@ -12,6 +12,7 @@ CONTACT = ": contact of its pins"  # ends the name of the gate of a part whose p
 _TURNING = {0x061C, 0x200E, 0x200F, *range(0x202A, 0x202F), *range(0x2066, 0x206A)}
 
 
+TOO_MANY = "mesh.most_unknowns"  # begins why a solid was left out whose first mesh has more
 UNKNOWN_BAR = "no error bar: "  # in a check's note, before why it has none
 DOUBTED = "loads not known for certain"  # begins the part of a note that tells load bars
 # words of doubts about loads
@@ -21,6 +22,8 @@ SPEED_DOUBTS = (UNEVEN, SURGING)  # end those of a drive that does not run evenl
 INTERFERENCE = "interference of"  # begins those of bushes that are pressed in
 END_OF_TRAVEL = "end of its travel off by up to"  # in that of a stop, behind the cycle's name
 HITS = "as its force reverses"  # ends those of play in a joint
+WOULD_HIT = "hits its bore by up to"  # behind the point of the hardest hit that is in no bar
+LESS_IN = "less in"  # before the points of the others
 _NEAR = 0.05  # of the required safety, within which four digits tell the safety
 _LONGEST_UTILISATION = 1e6  # that is written with all its digits
 

@@ -238,6 +238,8 @@ class FkmUse(FatigueUse):
         return np.asarray(np.max(every, axis=0))
 
     def _on(self, level: Stressed, points: IntArray, run: str) -> FloatArray:
+        if not len(points):
+            return np.zeros(0)
         duty = level.judged_duty
         path = np.ascontiguousarray(duty.coefficients[:, duty.runs[run]])
         slopes = slopes_of(_solid(level).solutions)

@@ -2,11 +2,11 @@
 
 Loads are known at positions; a smooth peak between two of them is missed by a share of order h^2 of
 the step h. Between two jumps loads follow a cubic spline through the positions, whose error is of
-order h^4; where it meets a corner it rings, which widens the bar. Where a contact begins or ends
-the loads jump somewhere in a step: both sides go on along their tangents over all of it. Each
-check is made again under loads on a grid of an eighth of the step, where it may have more, and what
-it rises by, with a margin, is added to its numerical bar. Rows of measured loads are taken as they
-are.
+order h^4; where it meets a corner it rings, which widens the bar. Where a contact begins or ends,
+or friction of a joint reverses, the loads jump somewhere in a step: both sides go on along their
+tangents over all of it. Each check is made again under loads on a grid of an eighth of the step,
+where it may have more, and what it rises by, with a margin, is added to its numerical bar. Rows of
+measured loads are taken as they are.
 
 Cubic splines through values at rising places, for less time than SciPy takes to load its own.
 """

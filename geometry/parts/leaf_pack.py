@@ -18,6 +18,7 @@ from geometry.parameters import (
     check_above,
     check_at_least,
     check_at_most,
+    check_below,
     within,
 )
 from geometry.shape import Body, Region, Shape, faces_where
@@ -81,7 +82,9 @@ class LeafPack(Shape):
         self._check_that_patches_are_apart()
 
     def _check_that_patches_are_apart(self) -> None:
-        clear = 2 * self.length - self.clamp_length
+        pins = 2 * self.length
+        check_below("clamp_length", self.clamp_length, pins, "where it meets the rod's pin")
+        clear = pins - self.clamp_length
         check_at_most("rod_length", self.rod_length, clear, "where it meets the pivot's clamp")
         check_at_least("overhang", self.overhang, self.rod_length / 2)
         nearest = (self.clamp_length + self.contact_length) / 2

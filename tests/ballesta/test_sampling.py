@@ -8,10 +8,11 @@ import pytest
 
 from ballesta.pipeline import check_file
 from checks.design.effort import Effort
+from checks.part.part_loads import loads_on
 from checks.result.verdict import Check
 from checks.strength.sampling import MARGIN, PIECES, finer, sampled
 
-from ..small_machine import loads_of
+from ..small_machine import PLATE, loads_of, machine, solved
 
 MACHINES = Path(__file__).parents[2] / "designs"
 COARSE, FINE = 49, 385  # positions of a turn; every coarse one is a fine one, but for corners
@@ -49,6 +50,27 @@ def largest(loads):
     return [
         Check("rod", "bearing", "force", value, "N", 0.0, 0.0, 1e3, 1.0, "turn", "", "", "", "")
     ]
+
+
+def across(folder, positions):
+    """The largest force across the rod of the crank and slider, whose pins rub."""
+    rubbing = 'friction.pins={ coefficient = 0.2, diameter = "12 mm" }'
+    design = machine(folder, PLATE, rubbing, f"cycles.turn.positions={positions}")
+
+    def made(loads):
+        value = float(np.abs(loads.wrenches["first"][:, 1]).max())
+        return [replace(check, value=value) for check in largest(loads)]
+
+    (check,) = sampled(made, loads_on(design, design.parts["rod"], solved(design)))
+    return check
+
+
+def test_friction_that_reverses_between_two_positions_does_not_ring(tmp_path):
+    """As the rod swings back, couples of its pins jump: a spline through them rings."""
+    coarse, fine = across(tmp_path, 91), across(tmp_path, 721)
+    assert coarse.value + coarse.sampling >= fine.value
+    assert coarse.sampling < 0.05 * coarse.value
+    assert fine.sampling < 1e-3 * fine.value
 
 
 class TestACoarseCycle:

@@ -51,7 +51,8 @@ REFUSED = [
     (PACK, {"contact_from": 44}, "contact_from", "onto the clamp; it must be at least 45 mm"),
     (PACK, {"overhang": 19}, "overhang", "at least 20 mm"),
     (PACK, {"rod_length": 841}, "rod_length", "at most 840 mm, where it meets the pivot's clamp"),
-    (PACK, {"clamp_factor": 0.9}, "clamp_factor", "at least 1"),
+    (PACK, {"clamp_length": 920}, "clamp_length", "below 920 mm, where it meets the rod's pin"),
+    (PACK, {"clamp_factor": 0.9}, "clamp_factor", "at least 1, got 0.9$"),
 ]
 
 

@@ -110,6 +110,15 @@ def test_a_pass_is_not_told_while_a_check_is_not_followed(opened, tmp_path, pres
     found.assert_quiet()
 
 
+def test_a_check_without_bars_beside_a_pressed_in_bush_is_followed_under_no_other_loads(press):
+    part = press.parts[0]
+    check = next(check for check in part.checks if check.kind == "static")
+    part = replace(part, charts={"pressed": ["knee"]}, checks=[replace(check, model=np.inf)])
+    (told,) = json.loads(what_if(replace(press, parts=[part], linkage=[], gates=[])))["checks"]
+    assert told["upper"] is None
+    assert not any(row for pins in told["pins"] for row in pins["rows"])
+
+
 def test_a_singular_check_of_contact_is_followed_under_no_other_loads(press):
     rows = [[0.7, 100.0, 1.0, 1.0], [1.0, 100.0, 1.0, 1.0], [2.0, 100.0, 1.0, 1.0]]
     pins = {"fits": {}, "kinds": {"static": {"loads": rows, "band": [0.0, 0.0]}}}

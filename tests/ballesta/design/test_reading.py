@@ -101,6 +101,12 @@ def test_a_fit_becomes_the_clearances_of_its_bore(bore, fit, clearances):
     assert design.parts["pin_B"].clearances == {}
 
 
+def test_a_fit_is_of_the_pin_and_not_of_the_hole_of_its_bush():
+    """H7/f7 above 50 mm leaves 30 to 90 um; the pin of 40 mm has a bush in the knee alone."""
+    design = read_design(PRESS, ["parts.bar_upper.hole=51 mm", "parts.bar_upper.overhang=50 mm"])
+    assert design.parts["bar_upper"].clearances == {"knee": (0.025, 0.075), "end": (0.03, 0.09)}
+
+
 def test_an_override_reaches_the_parts_that_are_like_the_changed_one():
     design = read_design(
         PRESS, ["parts.bar_upper.wall=5mm", "friction.pins={coefficient=0.1, diameter='40 mm'}"]

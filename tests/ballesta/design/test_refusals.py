@@ -65,6 +65,8 @@ REFUSED = {
     "duty of no cycle": (("{ press = 1.1e7 }", "{ pres = 1.1e7 }"), r"duty\.cycles\.pres: no cycle is named 'pres', did you mean press\?"),
     "no runs": (("{ press = 1.1e7 }", "{ press = 0 }"), r"duty\.cycles\.press: must be above 0, got 0"),
     "turns per minute": (('rate = "20 1/min"', 'rate = "20 rpm"'), r"duty\.rate: .*which is an angular speed"),
+    "negative tolerance": (('tolerance = "1 mm"', 'tolerance = "-1 mm"'), r"cycles\.press\.stop\.tolerance: must be at least 0: it counts to either side"),
+    "all energy lost": (("[duty]", "[dynamics]\ndamping = 1\n[duty]"), r"dynamics\.damping: must be below 1, got 1$"),
     "no safety": (("static = 1.5", "static = 0"), r"require\.static: must be above 0, got 0"),
     "unknown like": (('like = "bar_upper"', 'like = "bar_uper"'), r"bar_lower\.like: no table in parts is named 'bar_uper', did you mean bar_upper\?"),
     "circle": (('[parts.bar_upper]', '[parts.bar_upper]\nlike = "bar_lower"'), r"like: goes round in a circle: bar_upper is like bar_lower is like bar_upper"),

@@ -43,7 +43,7 @@ def near():
 def test_a_dead_centre_beside_a_stop_of_known_tolerance_is_a_pair_of_load_histories(near):
     """The process force of a toggle goes with 1/sqrt(x): 0.15 and 0.25 mm instead of 0.2 mm."""
     design, solved = near
-    (doubt,) = stop_doubts(design, solved)
+    ((doubt,), _) = stop_doubts(design, solved)
     assert doubt.words == "press: end of its travel off by up to 0.05 mm"
     low, high = (largest(end["press"]) for end in doubt.ends)
     here = largest(solved["press"])
@@ -65,14 +65,54 @@ def test_its_gate_does_not_bind_then_and_without_the_pair_says_what_to_state(nea
 
 
 def test_a_tolerance_that_reaches_the_dead_centre_leaves_the_gate_binding():
-    assert stop_doubts(*press(0.2, tolerance="0.2 mm")) == []
-    assert stop_doubts(*press(0.2, tolerance="0.195 mm")) == []
+    assert stop_doubts(*press(0.2, tolerance="0.2 mm")) == ([], [])
+    assert stop_doubts(*press(0.2, tolerance="0.195 mm")) == ([], [])
 
 
-def test_a_travel_that_ends_far_from_it_has_no_such_doubt():
+def test_a_travel_that_ends_far_from_it_at_an_assumed_stop_has_no_such_doubt():
     design, solved = press(2.0)
     assert dead_centre(design, solved).holds
-    assert stop_doubts(design, solved) == []
+    assert stop_doubts(design, solved) == ([], [])
+
+
+def mechanical(tolerance, *given):
+    """Both cycles of the press, which end at one stop 2 mm from straight bars."""
+    design = read_design(PRESS, (
+        "cycles.press.stop.basis=mechanical", f'cycles.press.stop.tolerance="{tolerance}"',
+        FEW, "cycles.capacity.positions=31", *given,
+    ))  # fmt: skip
+    return design, solve_cycles(design, dict.fromkeys(("lower", "upper"), BAR))
+
+
+def test_a_mechanical_stop_far_from_it_moves_all_cycles_that_end_there():
+    design, solved = mechanical("1 mm")
+    ((doubt,), gates) = stop_doubts(design, solved)
+    assert (doubt.words, doubt.gate) == ("press: end of its travel off by up to 1 mm", "")
+    assert gates == []
+    for name in ("press", "capacity"):
+        ends = [largest(end[name]) / largest(solved[name]) for end in doubt.ends]
+        assert ends == pytest.approx([(2 / 3) ** 0.5, 2**0.5], rel=0.01)
+
+
+def test_a_mechanical_stop_of_a_machine_with_its_vibration_applied_binds_unless_it_has_none():
+    pairs, (gate,) = stop_doubts(*mechanical("1 mm", "dynamics.apply=true"))
+    assert pairs == []
+    assert not gate.holds
+    assert "vibration is on the loads" in gate.told
+    assert stop_doubts(*mechanical("0 mm", "dynamics.apply=true")) == ([], [])
+
+
+def test_cycles_that_end_at_other_stops_are_doubted_one_by_one():
+    pairs, _ = stop_doubts(*mechanical("1 mm", "cycles.capacity.stop.tolerance=0.5 mm"))
+    assert [pair.words.partition(":")[0] for pair in pairs] == ["press", "capacity"]
+
+
+def test_a_mechanical_stop_whose_tolerance_reaches_it_binds():
+    pairs, (gate,) = stop_doubts(*mechanical("2 mm"))
+    assert pairs == []
+    assert gate.binding
+    assert not gate.holds
+    assert "cycles.press.stop.tolerance" in gate.cure
 
 
 @pytest.mark.slow

@@ -8,6 +8,7 @@ import pytest
 
 from ballesta.pipeline import check_design
 from checks.design.effort import AUTO
+from checks.design.errors import DesignError
 from checks.ladder import climb
 from checks.ladder.climb import climb_cheap, start_climb
 from checks.ladder.part_ladder import Effort, Ladder
@@ -179,6 +180,21 @@ def test_without_time_no_solid_is_begun_and_what_it_would_settle_is_told(tmp_pat
     assert any("it may settle static" in text for text in result.warnings)
     assert result.status is Status.UNDECIDED
     assert "--within 0.001s" in result.command
+
+
+def test_a_solid_of_more_unknowns_than_allowed_leaves_what_the_formula_knows(tmp_path, bars):
+    """A long thin beam is one; asked for, such a solid is refused."""
+    bars(static=100.0)
+    design = machine(tmp_path, PLATE, "parts.rod.mesh.most_unknowns=100")
+    result = check_design(design)
+    (part,) = result.parts
+    assert result.status is Status.UNDECIDED
+    assert [rung.rung for rung in part.rungs] == ["formula", "solid"]
+    assert {check.method for check in part.checks if check.kind == "static"} == {"formula"}
+    assert any("rod: solid: mesh.most_unknowns is 100" in text for text in result.warnings)
+    assert any("allow at least twice as many" in way.text for way in result.ways)
+    with pytest.raises(DesignError, match=r"most_unknowns is 100, but"):
+        check_design(design, effort=Effort("solid"))
 
 
 def test_parts_that_need_solids_come_cheapest_first_under_a_time_limit(tmp_path, monkeypatch):

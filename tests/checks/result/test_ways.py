@@ -18,7 +18,7 @@ from checks.result.ways import (
     run_in_fact,
     ways_out,
 )
-from checks.result.words import open_reason
+from checks.result.words import LESS_IN, WOULD_HIT, open_reason
 
 from ...reports.results import check, design, part
 from ...small_machine import PLATE, machine
@@ -89,6 +89,24 @@ def test_clearances_up_to_which_it_passes_are_fits_of_the_part():
     assert way.text.endswith('passes with fits.knee = "0 .. 0.08 mm", fits.end = "0 .. 0.06 mm"')
     other = part(checks=[BY_MODEL], facts={clearance_fact("fatigue", "knee"): 0.08})
     assert "nothing here settles it" in only(design(other)).text
+
+
+def test_fits_of_pins_that_would_hit_come_with_their_cushions():
+    """Once its fit is stated, a pin whose force reverses has the bound of its hits in the bars."""
+    facts = {clearance_fact("static", "knee"): 0.08, clearance_fact("static", "end"): 0.06}
+    reason = f"that of D {WOULD_HIT} 9 N on top of 1 N ({LESS_IN} A, C): in no bar"
+    result = replace(
+        design(part(checks=[BY_MODEL], facts={"mass [kg]": 4.1, **facts})),
+        defaults=[("parts.bar_upper.bearing_arc", "90 deg")],
+        assumed=[("parts.fits", reason)],
+        inputs=[("parts.bar_upper.like", "bar"), ("parts.bar.interfaces.knee", "B"),
+                ("parts.bar.interfaces.end", "A")],
+    )  # fmt: skip
+    way = only(result)
+    assert "slows those of A as they cross their play (dynamics.cushioned)" in way.text
+    assert way.command.endswith("--set 'dynamics.cushioned=[\"A\"]'")
+    stated = [*result.assumed, ("dynamics.cushioned", "stated of E")]
+    assert only(replace(result, assumed=stated)).command == ""
 
 
 def test_bushes_whose_material_is_not_stated_are_a_way_only_where_steel_passes():

@@ -326,6 +326,14 @@ def test_a_part_of_a_design_is_judged_like_all_of_its_points_one_by_one(rods):
         assert len(asked) < len(level.history.nodes) / 10
 
 
+def test_no_points_have_no_use(rods):
+    """Error bars ask for the points that a mesh leaves unresolved, of which there may be none."""
+    strength, (level, _), loads = rods
+    use = FkmUse(loads, strength.reference, level.judged_duty.ultimate, strength)
+    none = np.zeros(0, dtype=int)
+    assert use.bound(level, none).shape == use.at(level, none).shape == (0,)
+
+
 def test_a_history_by_its_stress_at_each_position_has_the_support_of_the_unit_loads(rods):
     """As solved contact gives it: with pressure beside the unit loads, or by its states alone."""
     strength, (level, _), loads = rods
