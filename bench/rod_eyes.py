@@ -32,6 +32,7 @@ from checks.models.rod_eyes import (
     AROUND,
     BORE,
     FILLET,
+    FULLEST,
     HEIGHTS,
     INSIDE,
     PARITY,
@@ -66,7 +67,6 @@ _SHANK = 2.0  # tube diameters from the fillet or the bore's hemisphere to the c
 _SOLID = 0.3  # of the shanks
 _LOW = np.array([0.22, 0.4, 0.2, 0.06, 0.1])  # hole, width and tube / eye, wall and fillet / tube
 _HIGH = np.array([0.78, 0.96, 0.78, 0.42, 1.1])
-_FULLEST = 0.97  # of the width that the eye's flats have room for
 _SLIMMEST = 0.98  # of the tube over the width
 _NEIGHBOURS = 8  # surface points whose stress makes that of a place
 _MODES = 8
@@ -162,7 +162,7 @@ def drawn(count: int) -> Iterator[tuple[int, FloatArray]]:
         if kind < _SOLID:
             numbers[3] = 0.5
         hole, width, tube = numbers[:3]
-        if width > _FULLEST * sqrt(1 - hole**2) or tube > _SLIMMEST * width:
+        if width > FULLEST * sqrt(1 - hole**2) or tube > _SLIMMEST * width:
             continue
         try:
             rod_of(numbers)

@@ -64,13 +64,6 @@ _PIN: Mapping[str, Range] = {
     "step_fillet": (0.5, 1.8),
     "seat width": (0.6, 1.0),
 }
-_SOLID_ROD: Mapping[str, Range] = {
-    "tube_diameter": (0.7, 1.3),
-    "eye_diameter": (0.9, 1.3),
-    "eye_width": (0.75, 1.2),
-    "hole": (0.6, 1.15),
-    "fillet": (0.5, 1.6),
-}
 SCENES = (
     Scene(
         "toggle_press",
@@ -121,9 +114,42 @@ SCENES = (
             "fillet": (0.5, 2.0),
         },
     ),
-    Scene("gallery/gas_engine", "rod", 8, _SOLID_ROD),
-    Scene("gallery/steam_engine", "rod", 8, _SOLID_ROD),
-    Scene("gallery/punching_press", "pitman", 8, _SOLID_ROD),
+    Scene(
+        "gallery/gas_engine",
+        "rod",
+        8,
+        {
+            "tube_diameter": (0.7, 1.3),
+            "eye_diameter": (0.9, 1.3),
+            "eye_width": (0.75, 1.2),
+            "hole": (0.6, 1.15),
+            "fillet": (0.5, 1.6),
+        },
+    ),
+    Scene(
+        "gallery/steam_engine",
+        "rod",
+        8,
+        {
+            "tube_diameter": (0.65, 1.6),
+            "eye_diameter": (0.8, 1.3),
+            "eye_width": (0.8, 1.6),
+            "hole": (0.6, 1.25),
+            "fillet": (0.25, 1.5),
+        },
+    ),
+    Scene(
+        "gallery/punching_press",
+        "pitman",
+        8,
+        {
+            "tube_diameter": (0.6, 1.15),
+            "eye_diameter": (0.8, 1.2),
+            "eye_width": (0.75, 1.35),
+            "hole": (0.65, 1.3),
+            "fillet": (0.5, 3.0),
+        },
+    ),
     Scene("spring_hammer", "pin_B", 9, _PIN),
     Scene("spring_hammer", "pin_C", 9, _PIN),
     Scene("spring_hammer", "pin_R", 9, _PIN),

@@ -31,6 +31,7 @@ from checks.handbook.pin_loaded_hole import PATTERNS
 from geometry.mesh import FloatArray
 from geometry.parts import TubeRod
 
+FULLEST = 0.97  # largest `fullness` of the solids
 BORE, FILLET, INSIDE = "bore", "fillet", "inside"
 ANGLES = np.radians(np.arange(0.0, 181.0, 15.0))  # in the bore, from the shank on
 HEIGHTS = np.array([0.0, 0.55, 0.98])  # in the bore, of half the eye's width
@@ -81,13 +82,17 @@ def kernel(first: FloatArray, second: FloatArray, lengths: FloatArray, slope: fl
     return np.asarray(np.exp(-away.sum(axis=2) / 2) + slope * (1 + first @ second.T))
 
 
+def fullness(rod: TubeRod) -> float:
+    """Eye's width over the width at which its flats end at the hole's edge."""
+    return rod.eye_width / sqrt(rod.eye_diameter**2 - rod.hole**2)
+
+
 def proportions(rod: TubeRod, place: str) -> FloatArray:
     """Proportions (5,) in which the fit of a kind of place is smooth, as logarithms."""
     eye, tube = rod.eye_diameter, rod.tube_diameter
-    hole, width = rod.hole / eye, rod.eye_width / eye
     wall = (tube - rod.bore) / 2
     across = rod.sections[0].area / rod.ligament if place == FILLET else wall / tube
-    numbers = (1 - hole, width / sqrt(1 - hole**2), tube / eye, across, rod.fillet / tube)
+    numbers = (1 - rod.hole / eye, fullness(rod), tube / eye, across, rod.fillet / tube)
     return np.array([log(number) for number in numbers])
 
 

@@ -17,11 +17,13 @@ from checks.models.rod_eyes import (
     AROUND,
     BORE,
     FILLET,
+    FULLEST,
     HEIGHTS,
     INSIDE,
     PARITY,
     WITHIN,
     eye_stress,
+    fullness,
     pressed,
     section_place,
 )
@@ -42,9 +44,10 @@ _TURNED = np.where([name in ("cos 1", "sin 1") for name in PATTERNS], -1.0, 1.0)
 def stress(part: Part, shape: TubeRod, loads: PartLoads) -> RungModel | None:
     """Two eyes by solids of eyes (`checks.models.rod_eyes`), and the tube between them.
 
-    None for a rod without fillets, where the elastic stress has no bound.
+    None for a rod without fillets, where the elastic stress has no bound, and for eyes whose flats
+    leave less beside the holes than those of the solids: a pin presses on a feather edge there.
     """
-    if not shape.fillet:
+    if not shape.fillet or fullness(shape) > FULLEST:
         return None
     places = {"first": 0.0, "second": shape.length}
     mass = _stretches(shape)

@@ -138,7 +138,7 @@ SLID = {
 def test_the_rung_formula_stands_beside_the_solid_at_its_named_places(
     solved, shape, wrenches, reaches, ratios
 ):
-    """Solid over formula: bores of links within 5 %, of rods 4 %; the rail's end is clamped, not the slot's."""
+    """Solid over formula: bores of links within 5 %, of rods 4 %; clamped is the rail's end."""
     found = checks_of(solved, shape, wrenches, reaches=reaches)
     for name, (low, high) in ratios.items():
         peak = found[f"peak von Mises stress by formula: {name}"]
