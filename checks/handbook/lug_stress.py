@@ -104,31 +104,6 @@ def strip_outline(
     return LugOutline(points, normals, weights, forced, np.where(on_edge, stringer, 0.0))
 
 
-def round_outline(radius: float, shank: float) -> LugOutline:
-    """Round eye that a shank along +x holds: evenly, with M y/I and an even V, on its own width.
-
-    radius  mm, of the eye
-    shank   mm, half the width of the shank, below the radius
-    """
-    at = np.arcsin(shank / radius)
-    size = pi * radius / _POINTS
-    free, first = _even(pi, at, (pi - at) * radius, size)
-    joined, second = _even(at, 0.0, at * radius, size / 2)
-    angles, weights = np.concatenate([free, joined]), np.concatenate([first, second])
-    normals = np.exp(1j * angles)
-    points: ComplexArray = np.asarray(radius * normals)
-    held = np.arange(len(points)) >= len(free)
-    y, slope = points[held].imag, normals[held].real  # dy = slope ds
-    inertia, place = 2 * shank**3 / 3, points[held].real
-    forced = np.zeros((3, len(points)), complex)
-    forced[0, held] = -slope / (2 * shank)
-    # V acts at different places along x: what M balances is its moment at their mean
-    mean = (place * slope * second).sum() / shank
-    forced[1, held] = -1j * slope / (2 * shank) - mean * y * slope / inertia
-    forced[2, held] = y * slope / inertia
-    return LugOutline(points, normals, weights, forced, np.zeros(len(points)))
-
-
 def _even(start: float, stop: float, length: float, size: float) -> tuple[FloatArray, FloatArray]:
     """Middles of even pieces between two places, and the length of each."""
     count = max(4, int(np.ceil(length / size)))

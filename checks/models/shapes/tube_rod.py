@@ -1,14 +1,32 @@
 """Round rods with an eye at each end, by formula."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.bar_forces import BarLoads
-from checks.handbook.lug_stress import Lug, mirrored, round_outline, stepped_shaft
-from checks.handbook.pin_loaded_hole import ComplexArray, pin_loaded_hole
+from checks.handbook.lug_stress import cartesian
+from checks.handbook.pin_loaded_hole import PATTERNS, patterns_of
 from checks.models.formula_bars import BarPart, Stretches
-from checks.models.formula_lugs import add_bore
-from checks.models.formula_points import Points, along_x, in_section, sheared
+from checks.models.formula_lugs import bore_columns
+from checks.models.formula_points import XX, XY, YY, ZZ, Points, along_x, in_section, sheared
+from checks.models.rod_eyes import (
+    ANGLES,
+    ARC,
+    AROUND,
+    BORE,
+    FILLET,
+    FULLEST,
+    HEIGHTS,
+    INSIDE,
+    PARITY,
+    WITHIN,
+    eye_stress,
+    fullness,
+    pressed,
+    section_place,
+)
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
@@ -19,49 +37,165 @@ from geometry.parts import TubeRod
 
 _AROUND = np.radians(np.arange(0.0, 360.0, 45.0))
 _STATIONS = 9
-_FACTORS = ("tension", "bending")
+_PAIRS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))
+_COS, _SIN, _COUPLE = (PATTERNS.index(name) for name in ("cos 1", "sin 1", "couple"))
 
 
 def stress(part: Part, shape: TubeRod, loads: PartLoads) -> RungModel | None:
-    """Two eyes as round lugs as thick as they are wide, and the tube between them.
+    """Two eyes by solids of eyes (`checks.models.rod_eyes`), and the tube between them.
 
-    An eye is a ball cut flat: as a lug it gets the outline that leaves it the same ligament. None
-    for a rod without fillets, where the elastic stress has no bound.
+    None for a rod without fillets, where the elastic stress has no bound, and for eyes whose flats
+    leave less beside the holes than those of the solids: a pin presses on a feather edge there.
     """
-    if not shape.fillet:
+    if not shape.fillet or fullness(shape) > FULLEST:
         return None
     places = {"first": 0.0, "second": shape.length}
     mass = _stretches(shape)
     whole = BarPart.of(part, loads, places, mass, shape.length, (shape.hole / 2, shape.hole / 2))
-    bar, points = whole.forces, whole.points
-    ligament = shape.ligament / shape.eye_width
-    radius = shape.hole / 2 + ligament
-    outline = round_outline(radius, min(shape.tube_diameter / 2, 0.95 * radius))
-    nu = part.material.poisson_ratio
-    hole = pin_loaded_hole(shape.hole / 2, outline, nu, harmonics_of(loads.arc))
-    rear = np.radians([180.0, 150.0, 120.0, 90.0, 270.0, 240.0, 210.0])
-    edge: ComplexArray = np.asarray(radius * np.exp(1j * rear))
     for name, x in places.items():
-        lug = Lug(hole, shape.eye_width, mirrored=x > 0)
-        own = mirrored(edge) if x > 0 else edge
-        add_bore(points, part, loads, name, x, lug, (0.0,), edges=own)
-    _add_tube(points, shape, bar)
-    return whole.model(
-        neglects="that a ball's eye is thinner towards its outline; where the tube's bore ends",
+        _add_eye(whole, shape, name, x)
+    _add_tube(whole.points, shape, whole.forces)
+    return whole.model(neglects="how near the eyes are to each other; inertia within an eye")
+
+
+def _add_eye(whole: BarPart, shape: TubeRod, name: str, x: float) -> None:
+    """Add an eye's bore, fillet and end of the tube's bore; the second is the first turned."""
+    points, radius = whole.points, shape.hole / 2
+    angles = np.concatenate([ANGLES, -ANGLES[1:-1]])
+    names = patterns_of(harmonics_of(whole.loads.arc))
+    stress = _rim(shape, angles, names) * (_turned(names) if x else 1.0)
+    plane = stress[0][:, [XX, YY, XY]]
+    columns, patterns = bore_columns(
+        points, whole.part, whole.loads, name, plane, angles, shape.eye_width
     )
+    arms = np.column_stack([radius * np.cos(angles), radius * np.sin(angles)])
+    for height, block in zip(HEIGHTS * shape.eye_width / 2, stress, strict=True):
+        at = np.column_stack([arms, np.full(len(angles), height)])
+        points.add_block(name, _placed(at, x), columns, block[:, :, patterns])
+    resultants = [PATTERNS[k] for k in (_COS, _SIN, _COUPLE)]
+    squeezing = [
+        (column, PATTERNS.index(names[pattern]))
+        for column, pattern in zip(columns, patterns, strict=True)
+        if names[pattern] in PATTERNS and names[pattern] not in resultants
+    ]
+    for place in (FILLET, INSIDE) if shape.bore else (FILLET,):
+        _add_beside(whole, shape, place, squeezing, x)
+
+
+def _placed(at: FloatArray, x: float) -> FloatArray:
+    """Places (k, 3) of the first eye, or turned by 180 degrees to those of one at x."""
+    return at * [-1, -1, 1] + [x, 0, 0] if x else at
+
+
+def _turned(names: Sequence[str]) -> FloatArray:
+    """Signs of patterns turned by 180 degrees."""
+    return np.array([1.0 if name == "couple" else (-1.0) ** int(name[4:]) for name in names])
+
+
+def _rim(shape: TubeRod, angles: FloatArray, names: Sequence[str]) -> FloatArray:
+    """Stress (rows, k, 6, patterns) in the first eye's bore, MPa per N and N mm of the patterns.
+
+    Harmonics that the half circle does not have fall off like (hole/eye)^n: p cos(n t) has the hoop
+    stress -p cos(n t) of a wide plate (Bickley), n >= 3.
+    """
+    own = _known_rim(shape, angles)
+    stress = np.zeros((*own.shape[:3], len(names)))
+    for k, name in enumerate(names):
+        if name in PATTERNS:
+            stress[..., k] = own[..., PATTERNS.index(name)]
+            continue
+        wave = np.cos if name.startswith("cos") else np.sin
+        size = -wave(int(name[4:]) * angles) / (np.pi * shape.hole / 2 * shape.eye_width)
+        stress[:, :, [XX, YY], k] = size[:, None]
+    return stress
+
+
+def _known_rim(shape: TubeRod, angles: FloatArray) -> FloatArray:
+    """Stress (rows, k, 6, 8) in the first eye's bore of the patterns of the half circle."""
+    hoop, aside = np.moveaxis(_both_sides(eye_stress(shape, BORE), ends=False), 2, 0)
+    radial, shear = pressed(shape, angles)
+    every = np.repeat(angles, len(PATTERNS))
+    stress = np.zeros((len(hoop), len(angles), 6, len(PATTERNS)))
+    for level, along_z, block in zip(hoop, aside, stress, strict=True):
+        plane = cartesian(level.ravel(), radial.ravel(), shear.ravel(), every)
+        block[:, [XX, YY, XY]] = plane.reshape(len(angles), -1, 3).transpose(0, 2, 1)
+        block[:, ZZ] = along_z
+    return stress
+
+
+def _add_beside(
+    whole: BarPart,
+    shape: TubeRod,
+    place: str,
+    squeezing: Sequence[tuple[int, int]],
+    x: float,
+) -> None:
+    """Add a fillet, or the end of the tube's bore: by the section's forces and the pin's pressure.
+
+    squeezing  columns of the pressure without a resultant, and which of the patterns each is of
+    x          mm, of the eye
+    """
+    at, stress = _surface(shape, place)
+    section = section_place(shape, place)
+    if x:
+        stress = stress * np.array([1, 1, 1, 1, -1, -1])[:, None]  # yz and zx turn round
+    cut = x - section if x else section
+    forces = whole.forces.at(np.array([cut]))
+    columns = whole.points.columns(
+        np.concatenate([forces.axial, forces.moment_z, forces.shear]),
+        in_section(cut, "axial force", "moment M_z", "shear force"),
+    )
+    # in an eye's own axes: F_x = -N, F_y = -V, and M_z = -M - x V at the pin
+    couple = stress[:, :, _COUPLE]
+    own = [-stress[:, :, _COS], couple if x else -couple]
+    own.append(-stress[:, :, _SIN] - section * couple)
+    own += [stress[:, :, pattern] for _, pattern in squeezing]
+    columns += [column for column, _ in squeezing]
+    name = "fillet" if place == FILLET else "end of the tube's bore"
+    whole.points.add_block(name, _placed(at, x), columns, np.stack(own, axis=2))
+
+
+def _surface(shape: TubeRod, place: str) -> tuple[FloatArray, FloatArray]:
+    """Points (k, 3), mm, and stress (k, 6, 8) of the first eye's fillet or bored end."""
+    if place == FILLET:
+        slope = ARC * np.arcsin((shape.shank_end - shape.joint) / shape.fillet)
+        x = shape.shank_end - shape.fillet * np.sin(slope)
+        off = shape.tube_diameter / 2 + shape.fillet * (1 - np.cos(slope))
+    else:
+        slope = -WITHIN
+        x = section_place(shape, place) - shape.bore / 2 * np.sin(WITHIN)
+        off = shape.bore / 2 * np.cos(WITHIN)
+    around = np.concatenate([AROUND, np.pi - AROUND[:-1]])
+    cos, sin = np.cos(around), np.sin(around)
+    at = np.stack(np.broadcast_arrays(x[:, None], off[:, None] * cos, off[:, None] * sin), axis=-1)
+    values = _both_sides(eye_stress(shape, place), ends=True)
+    outward = np.stack([0 * cos, cos, sin], axis=1)
+    ring = np.stack([0 * cos, -sin, cos], axis=1)
+    meridian = np.cos(slope)[:, None, None] * [1, 0, 0] - np.sin(slope)[:, None, None] * outward
+    stress = np.zeros((*at.shape[:2], 6, len(PATTERNS)))
+    for k, vectors in enumerate((meridian, np.broadcast_to(ring, meridian.shape))):
+        dyad = np.stack([vectors[..., i] * vectors[..., j] for i, j in _PAIRS], axis=-1)
+        stress += dyad[..., None] * values[:, :, None, k]
+    return at.reshape(-1, 3), stress.reshape(-1, 6, len(PATTERNS))
+
+
+def _both_sides(values: FloatArray, *, ends: bool) -> FloatArray:
+    """Values (rows, along, 2, 8) with those at y < 0 behind them; of the last place, too, or not.
+
+    ends  False where the first and the last place lie at y = 0
+    """
+    other = values[:, :-1] if ends else values[:, 1:-1]
+    return np.concatenate([values, other * PARITY], axis=1)
 
 
 def _add_tube(points: Points, shape: TubeRod, bar: BarLoads) -> None:
-    """Add the tube's fibres all round, with the fillets' factors where these begin."""
+    """Add the tube's fibres all round, between the fillets."""
     end = shape.shank_end
-    places = np.linspace(end, shape.length - end, _STATIONS)
+    places = np.linspace(end, shape.length - end, _STATIONS)[1:-1]
     forces = bar.at(places)
     (section,) = shape.sections
     modulus = section.inertia_in_plane / (shape.tube_diameter / 2)
-    sizes = (shape.eye_diameter, shape.tube_diameter, shape.fillet)
     for k, x in enumerate(places):
-        ends = k in (0, len(places) - 1)
-        pulled, bent = (stepped_shaft(kind, *sizes) if ends else 1.0 for kind in _FACTORS)
         axial, moment, shear = points.columns(
             np.stack([forces.axial[k], forces.moment_z[k], forces.shear[k]]),
             in_section(x, "axial force", "moment M_z", "shear force"),
@@ -70,11 +204,11 @@ def _add_tube(points: Points, shape: TubeRod, bar: BarLoads) -> None:
         at = np.column_stack([np.full(len(y), x), y, z])
         at[:, 1:] *= shape.tube_diameter / 2
         points.add(
-            "fillet" if ends else "tube",
+            "tube",
             at,
             {
-                axial: along_x(np.full(len(y), pulled / section.area)),
-                moment: along_x(-bent * y / modulus),
+                axial: along_x(np.full(len(y), 1 / section.area)),
+                moment: along_x(-y / modulus),
                 shear: sheared(_around_middle(z) * 2 / section.area),
             },
         )

@@ -131,14 +131,14 @@ SLID = {
     [
         (LINK, PULLED, None, {"first": (0.95, 1.05), "second": (0.95, 1.05)}),
         (LINK, BENT, None, {"first": (0.95, 1.05), "plate": (1.0, 1.25)}),
-        (ROD, PULLED, None, {"first": (0.85, 1.0), "tube": (0.98, 1.02)}),
+        (ROD, PULLED, None, {"first": (0.96, 1.04), "tube": (0.98, 1.02)}),
         (LEVER, SLID, {"slot": [60.0]}, {"slot's end": (0.6, 1.0), "rail": (0.95, 1.1)}),
     ],
 )
 def test_the_rung_formula_stands_beside_the_solid_at_its_named_places(
     solved, shape, wrenches, reaches, ratios
 ):
-    """Solid over formula: bores of links within 5 %; the rail's end is clamped, not the slot's."""
+    """Solid over formula: bores of links within 5 %, of rods 4 %; clamped is the rail's end."""
     found = checks_of(solved, shape, wrenches, reaches=reaches)
     for name, (low, high) in ratios.items():
         peak = found[f"peak von Mises stress by formula: {name}"]
