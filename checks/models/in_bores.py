@@ -33,7 +33,9 @@ _PRESSURE = " cos 0"  # the unit load that only an interface with a bearing pres
 # in names of unit loads: couples out of the linkage's plane, and bushes, which no pin raises
 _ACROSS = ("M_x", "M_y", "torque", PRESSED_IN)
 _NEAR = 0.8  # of the largest fatigue use in bores: points that are asked again
-_HIGH = 0.6  # of the peak: positions that are asked on other arcs
+# of the peak, and of that use: positions and points that are asked on other arcs, which have up to
+# 1.7 times the half circle's pressure
+_HIGH = 0.55
 
 
 @dataclass(frozen=True)
@@ -109,9 +111,14 @@ def in_bores(arcs: Arcs, use: FatigueUse | None, value: float) -> InBores:
 
     def raised(arc: float, uneven: Mapping[str, Uneven]) -> float:
         model = arcs.models.get(arc, level.model)
-        if not uneven and not _across(model).any():
+        same = use is None or model is level.model
+        if same and not uneven and not _across(model).any():
             return more * own[arc]  # all of the stress is in proportion to what is raised
-        return _largest(loaded, level, model, use, points, uneven, more)
+        found = _largest(loaded, level, model, use, points, uneven, more)
+        if same:
+            return found
+        # in the bores another two positions may govern than in the part
+        return max(found, _largest(loaded, level, model, use, points, uneven, more, every=True))
 
     half = raised(pi, counts) if counts or not part.arc_stated else 0.0
     most = max([half, *(raised(arc, counts) for arc in arcs.models)])
@@ -140,13 +147,20 @@ def _on_half_circle(
 
 
 def _peak(
-    level: RungLevel, history: StressHistory, points: IntArray, basis: FloatArray | None = None
+    level: RungLevel,
+    history: StressHistory,
+    points: IntArray,
+    basis: FloatArray | None = None,
+    times: float = 1.0,
 ) -> float:
-    """The largest von Mises stress at some points, of some basis, where positions strain most."""
+    """The largest von Mises stress at some points, of some basis, where positions strain most.
+
+    times  how much more than on the half circle that basis may have, arcs apart
+    """
     if not len(points):
         return 0.0
     peaks = level.peaks_by_position
-    states = history.coefficients[:, peaks >= _HIGH * peaks.max()]
+    states = history.coefficients[:, peaks >= _HIGH / times * peaks.max()]
     own = history.basis[points] if basis is None else basis
     found = StressHistory(history.nodes[points], history.points[points], own, states)
     return float(found.peaks_by_point().max())
@@ -165,10 +179,13 @@ def _largest(
     points: IntArray,
     uneven: Mapping[str, Uneven],
     more: float,
+    *,
+    every: bool = False,
 ) -> float:
     """The largest stress in bores, MPa, under more of the forces in the plane.
 
-    Fatigue on other arcs is between the two positions that govern on the half circle, as of solids.
+    Fatigue on other arcs is between the two positions that govern on the half circle, as of solids,
+    or between any two.
 
     As in a solid (checks/stress/error_bars.py), the stress of couples out of the plane and of
     bushes that are pressed in stays.
@@ -177,13 +194,16 @@ def _largest(
     points  of the bores
     uneven  bore -> how much more its bent pin presses
     more    times the forces in all bores
+    every   True for fatigue between any two positions
     """
     units, history = [name for name, _ in model.units], model.history
     places = np.array(model.places)[points]
-    if use is not None and model is level.model:
+    every = every or model is level.model
+    if use is not None and every:
         used = level.judged_duty.bound[points]
         most = {bore: used[places == bore].max() for bore in set(places)}
-        near = used >= _NEAR * np.array([most[bore] for bore in places])
+        share = _NEAR if model is level.model else _HIGH
+        near = used >= share * np.array([most[bore] for bore in places])
         points, places = points[near], places[near]
     factors: FloatArray = np.full((len(points), len(units)), more)
     for bore, one in uneven.items():
@@ -192,8 +212,8 @@ def _largest(
     factors[:, _across(model)] = 1.0
     raised = history.basis[points] * factors[:, None, :]
     if use is None:
-        return _peak(level, history, points, raised)
-    if model is level.model:
+        return _peak(level, history, points, raised, float(factors.max()))
+    if every:
         return use.anew(level, points, raised, history.coefficients, loaded.loads.cycles)
     pair = history.coefficients[:, list(use.worst(level).pair)]
     return use.of_states(level, raised @ pair, level.limits[points])
