@@ -1,8 +1,8 @@
 """Stress of a rung in the bores of a part, where pins press on narrower arcs, and unevenly.
 
-The stress of a rung is that of a pressure half a cosine wide. A pin with clearance presses on less
-of the bore (docs/theory/bearing.md): the rung's lugs are solved again for the cosine on arcs down
-to the narrowest that the part states, as a solid is.
+A rung's pins press by half a cosine. A pin with clearance presses on less of the bore
+(docs/theory/bearing.md): the rung's lugs are solved again for the cosine on arcs down to the
+narrowest that the part states, as a solid is.
 
 Bores whose arc of contact is not stated, or whose pin bends, may have more than that. Contacts
 exceed the assumed arcs by a share that solids have in their model band. The bands of the rungs were
