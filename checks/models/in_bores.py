@@ -9,6 +9,7 @@ exceed the assumed arcs by a share that solids have in their model band. The ban
 compared with solids on the arcs alone, evenly pressed along: they have neither.
 """
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -43,7 +44,7 @@ class InBores:
     """Stress of a check where arcs of contact are narrower and pins press unevenly, MPa.
 
     half    the largest in bores, pressed on the half circle, raised; 0 where nothing raises it
-    most    the same on any of the arcs; 0 where nothing does
+    most    the same on any of the arcs, and the largest beside bores; 0 where nothing does
     least   of the whole part, on the arc where it is least, not raised
     by_arc  arc, rad -> the value of the whole part, not raised; empty where the rung knows none
     evened  the largest with every bent pin, also those in no band; 0 where every one is in it
@@ -88,6 +89,15 @@ class Arcs:
         bores = {name.removesuffix(_PRESSURE) for name in units if name.endswith(_PRESSURE)}
         return np.flatnonzero([place in bores for place in model.places])
 
+    @cached_property
+    def beside(self) -> IntArray:
+        """The points off these rims, as in fillets of eyes, that change with the pressure's arc."""
+        model = self.level.model
+        waves = [re.search(r" (?:cos|sin) (\d+)$", name) for name, _ in model.units]
+        without_force = [wave is not None and wave[1] != "1" for wave in waves]
+        reached = model.history.basis[:, :, without_force].any(axis=(1, 2))
+        return np.setdiff1d(np.flatnonzero(reached), self.points)
+
 
 def in_bores(arcs: Arcs, use: FatigueUse | None, value: float) -> InBores:
     """Return how narrower arcs and uneven pressure move a check.
@@ -104,10 +114,15 @@ def in_bores(arcs: Arcs, use: FatigueUse | None, value: float) -> InBores:
     more = 1.0 if part.arc_stated else 1.0 + BEYOND_ARCS
     elsewhere, on_half = _on_half_circle(level, use, value, points)
     by_arc = {pi: value}
-    own = {pi: on_half}
+    own, beside = {pi: on_half}, dict[float, float]()
     for arc, model in arcs.models.items():
-        own[arc] = _largest(loaded, level, model, use, points, {}, 1.0)
-        by_arc[arc] = max(own[arc], elsewhere)
+        own[arc], beside[arc] = (
+            _largest(loaded, level, model, use, some, {}, 1.0) for some in (points, arcs.beside)
+        )
+        by_arc[arc] = max(own[arc], beside[arc], elsewhere)
+        if use is not None:
+            more_beside = _largest(loaded, level, model, use, arcs.beside, {}, 1.0, every=True)
+            beside[arc] = max(beside[arc], more_beside)
 
     def raised(arc: float, uneven: Mapping[str, Uneven]) -> float:
         model = arcs.models.get(arc, level.model)
@@ -121,7 +136,7 @@ def in_bores(arcs: Arcs, use: FatigueUse | None, value: float) -> InBores:
         return max(found, _largest(loaded, level, model, use, points, uneven, more, every=True))
 
     half = raised(pi, counts) if counts or not part.arc_stated else 0.0
-    most = max([half, *(raised(arc, counts) for arc in arcs.models)])
+    most = max([half, *(raised(arc, counts) for arc in arcs.models), *beside.values()])
     evened = 0.0
     if len(counts) < len(every):
         evened = max(raised(arc, every) for arc in own)
@@ -196,6 +211,8 @@ def _largest(
     more    times the forces in all bores
     every   True for fatigue between any two positions
     """
+    if not len(points):
+        return 0.0
     units, history = [name for name, _ in model.units], model.history
     places = np.array(model.places)[points]
     every = every or model is level.model

@@ -187,6 +187,27 @@ def test_fatigue_of_bores_on_arcs_is_that_of_their_own_positions(tmp_path):
     assert in_bores(arcs, use, value).most == pytest.approx(narrow, rel=1e-9)
 
 
+def test_the_edges_of_a_levers_lug_end_where_its_outline_does():
+    """Beyond, the series tell nothing, and with more harmonics the most: it was 100 times this."""
+    design = read_design(Path(__file__).parents[2] / "designs" / "gallery" / "shaper.toml")
+    part = design.parts["lever"]
+    part = replace(part, geometry=replace(part.geometry, width=58.0, slot_width=20.0))
+    pull = np.array([[-1000.0, 300.0, 0, 0, 0, 0]])
+    wrenches = {"pivot": pull, "tip": -pull, "slot": 0 * pull}
+    loads = PartLoads(
+        wrenches, np.zeros((1, 4)), {"turn": slice(0, 1)}, ("k",), ("turn",),
+        {"slot": np.array([200.0])},
+    )  # fmt: skip
+    ends = []
+    for arc in (np.pi, np.pi / 2):
+        found = shapes.model_of(part, replace(loads, arc=arc))
+        edge = np.char.endswith(found.places, " edge")
+        far = np.abs(found.history.points[:, 0] - part.geometry.length / 2) < 130.0
+        ends.append(found.history.peaks_by_point()[edge & far])
+    assert len(ends[0])
+    np.testing.assert_allclose(ends[1], ends[0], rtol=0.05)
+
+
 def test_couples_out_of_the_plane_are_not_raised_in_a_rungs_bores():
     """As in a solid: lugs were compared under forces in their plane."""
     design = read_design(Path(__file__).parents[2] / "designs" / "slider_crank.toml")
