@@ -1,18 +1,20 @@
 """Stress of a rung in the bores of a part, where pins press on narrower arcs, and unevenly.
 
-The stress of a rung is that of a pressure half a cosine wide. A pin with clearance presses on less
-of the bore (docs/theory/bearing.md): the rung's lugs are solved again for the cosine on arcs down
-to the narrowest that the part states, as a solid is.
+A rung's pins press by half a cosine. A pin with clearance presses on less of the bore
+(docs/theory/bearing.md): the rung's lugs are solved again for the cosine on arcs down to the
+narrowest that the part states, as a solid is.
 
 Bores whose arc of contact is not stated, or whose pin bends, may have more than that. Contacts
 exceed the assumed arcs by a share that solids have in their model band. The bands of the rungs were
 compared with solids on the arcs alone, evenly pressed along: they have neither.
 """
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import pi
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -33,7 +35,9 @@ _PRESSURE = " cos 0"  # the unit load that only an interface with a bearing pres
 # in names of unit loads: couples out of the linkage's plane, and bushes, which no pin raises
 _ACROSS = ("M_x", "M_y", "torque", PRESSED_IN)
 _NEAR = 0.8  # of the largest fatigue use in bores: points that are asked again
-_HIGH = 0.6  # of the peak: positions that are asked on other arcs
+# of the peak, and of that use: positions and points that are asked on other arcs, which have up to
+# 1.7 times the half circle's pressure
+_HIGH = 0.55
 
 
 @dataclass(frozen=True)
@@ -41,7 +45,7 @@ class InBores:
     """Stress of a check where arcs of contact are narrower and pins press unevenly, MPa.
 
     half    the largest in bores, pressed on the half circle, raised; 0 where nothing raises it
-    most    the same on any of the arcs; 0 where nothing does
+    most    the same on any of the arcs, and the largest beside bores; 0 where nothing does
     least   of the whole part, on the arc where it is least, not raised
     by_arc  arc, rad -> the value of the whole part, not raised; empty where the rung knows none
     evened  the largest with every bent pin, also those in no band; 0 where every one is in it
@@ -62,6 +66,9 @@ def arcs_of(part: Part) -> list[float]:
     return [(pi + narrow) / 2, narrow]
 
 
+_on_arcs: WeakKeyDictionary[RungModel, dict[float, RungModel]] = WeakKeyDictionary()
+
+
 class Arcs:
     """A rung's level with its models on narrower arcs of contact, each built when it is asked for.
 
@@ -74,9 +81,11 @@ class Arcs:
     @cached_property
     def models(self) -> dict[float, RungModel]:
         """Arc, rad -> the model with pins that press on it."""
-        loads = self.loaded.loads
-        found = {arc: self._again(replace(loads, arc=arc)) for arc in arcs_of(self.loaded.part)}
-        return {arc: model for arc, model in found.items() if model is not None}
+        if self.level.model not in _on_arcs:  # of another material they are the same
+            loads = self.loaded.loads
+            found = {arc: self._again(replace(loads, arc=arc)) for arc in arcs_of(self.loaded.part)}
+            _on_arcs[self.level.model] = {a: one for a, one in found.items() if one is not None}
+        return _on_arcs[self.level.model]
 
     @cached_property
     def points(self) -> IntArray:
@@ -85,6 +94,15 @@ class Arcs:
         units = [name for name, _ in model.units]
         bores = {name.removesuffix(_PRESSURE) for name in units if name.endswith(_PRESSURE)}
         return np.flatnonzero([place in bores for place in model.places])
+
+    @cached_property
+    def beside(self) -> IntArray:
+        """The points off these rims, as in fillets of eyes, that change with the pressure's arc."""
+        model = self.level.model
+        waves = [re.search(r" (?:cos|sin) (\d+)$", name) for name, _ in model.units]
+        without_force = [wave is not None and wave[1] != "1" for wave in waves]
+        reached = model.history.basis[:, :, without_force].any(axis=(1, 2))
+        return np.setdiff1d(np.flatnonzero(reached), self.points)
 
 
 def in_bores(arcs: Arcs, use: FatigueUse | None, value: float) -> InBores:
@@ -102,19 +120,29 @@ def in_bores(arcs: Arcs, use: FatigueUse | None, value: float) -> InBores:
     more = 1.0 if part.arc_stated else 1.0 + BEYOND_ARCS
     elsewhere, on_half = _on_half_circle(level, use, value, points)
     by_arc = {pi: value}
-    own = {pi: on_half}
+    own, beside = {pi: on_half}, dict[float, float]()
     for arc, model in arcs.models.items():
-        own[arc] = _largest(loaded, level, model, use, points, {}, 1.0)
-        by_arc[arc] = max(own[arc], elsewhere)
+        own[arc], beside[arc] = (
+            _largest(loaded, level, model, use, some, {}, 1.0) for some in (points, arcs.beside)
+        )
+        by_arc[arc] = max(own[arc], beside[arc], elsewhere)
+        if use is not None:
+            more_beside = _largest(loaded, level, model, use, arcs.beside, {}, 1.0, every=True)
+            beside[arc] = max(beside[arc], more_beside)
 
     def raised(arc: float, uneven: Mapping[str, Uneven]) -> float:
         model = arcs.models.get(arc, level.model)
-        if not uneven and not _across(model).any():
+        same = use is None or model is level.model
+        if same and not uneven and not _across(model).any():
             return more * own[arc]  # all of the stress is in proportion to what is raised
-        return _largest(loaded, level, model, use, points, uneven, more)
+        found = _largest(loaded, level, model, use, points, uneven, more)
+        if same:
+            return found
+        # in the bores another two positions may govern than in the part
+        return max(found, _largest(loaded, level, model, use, points, uneven, more, every=True))
 
     half = raised(pi, counts) if counts or not part.arc_stated else 0.0
-    most = max([half, *(raised(arc, counts) for arc in arcs.models)])
+    most = max([half, *(raised(arc, counts) for arc in arcs.models), *beside.values()])
     evened = 0.0
     if len(counts) < len(every):
         evened = max(raised(arc, every) for arc in own)
@@ -140,13 +168,20 @@ def _on_half_circle(
 
 
 def _peak(
-    level: RungLevel, history: StressHistory, points: IntArray, basis: FloatArray | None = None
+    level: RungLevel,
+    history: StressHistory,
+    points: IntArray,
+    basis: FloatArray | None = None,
+    times: float = 1.0,
 ) -> float:
-    """The largest von Mises stress at some points, of some basis, where positions strain most."""
+    """The largest von Mises stress at some points, of some basis, where positions strain most.
+
+    times  how much more than on the half circle that basis may have, arcs apart
+    """
     if not len(points):
         return 0.0
     peaks = level.peaks_by_position
-    states = history.coefficients[:, peaks >= _HIGH * peaks.max()]
+    states = history.coefficients[:, peaks >= _HIGH / times * peaks.max()]
     own = history.basis[points] if basis is None else basis
     found = StressHistory(history.nodes[points], history.points[points], own, states)
     return float(found.peaks_by_point().max())
@@ -165,10 +200,13 @@ def _largest(
     points: IntArray,
     uneven: Mapping[str, Uneven],
     more: float,
+    *,
+    every: bool = False,
 ) -> float:
     """The largest stress in bores, MPa, under more of the forces in the plane.
 
-    Fatigue on other arcs is between the two positions that govern on the half circle, as of solids.
+    Fatigue on other arcs is between the two positions that govern on the half circle, as of solids,
+    or between any two.
 
     As in a solid (checks/stress/error_bars.py), the stress of couples out of the plane and of
     bushes that are pressed in stays.
@@ -177,13 +215,18 @@ def _largest(
     points  of the bores
     uneven  bore -> how much more its bent pin presses
     more    times the forces in all bores
+    every   True for fatigue between any two positions
     """
+    if not len(points):
+        return 0.0
     units, history = [name for name, _ in model.units], model.history
     places = np.array(model.places)[points]
-    if use is not None and model is level.model:
+    every = every or model is level.model
+    if use is not None and every:
         used = level.judged_duty.bound[points]
         most = {bore: used[places == bore].max() for bore in set(places)}
-        near = used >= _NEAR * np.array([most[bore] for bore in places])
+        share = _NEAR if model is level.model else _HIGH
+        near = used >= share * np.array([most[bore] for bore in places])
         points, places = points[near], places[near]
     factors: FloatArray = np.full((len(points), len(units)), more)
     for bore, one in uneven.items():
@@ -192,8 +235,8 @@ def _largest(
     factors[:, _across(model)] = 1.0
     raised = history.basis[points] * factors[:, None, :]
     if use is None:
-        return _peak(level, history, points, raised)
-    if model is level.model:
+        return _peak(level, history, points, raised, float(factors.max()))
+    if every:
         return use.anew(level, points, raised, history.coefficients, loaded.loads.cycles)
     pair = history.coefficients[:, list(use.worst(level).pair)]
     return use.of_states(level, raised @ pair, level.limits[points])

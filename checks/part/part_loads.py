@@ -112,8 +112,8 @@ class PartLoads:
     cycles         name -> slice of the n positions
     labels         (n,) where in which cycle, in words
     stretch_of     (n,) stretch of its cycle that each position is in: a phase, or what of it lies
-                   between the beginnings and ends of contacts and where friction reverses; at its
-                   border the loads may jump; None where every cycle is one stretch
+                   between the beginnings and ends of contacts and where friction reverses or
+                   rests; at its border the loads may jump; None where every cycle is one stretch
     spins          interface of a pin -> (n,) rad/s, of what turns there against the pin; NaN in
                    measured runs
     path           (n,) coordinate along which the positions of cycles lie, mm or rad; NaN in
@@ -346,7 +346,8 @@ def stretches_of(cycle: loads.CycleLoads | loads.MeasuredLoads) -> IntArray:
             jumps |= touch.touching[1:] != touch.touching[:-1]
         for load in cycle.reactions.values():
             for rubbing in (load.friction_couple, load.friction_force):
-                jumps |= rubbing[1:] * rubbing[:-1] < 0.0
+                way = np.sign(rubbing)  # 0 at rest
+                jumps |= way[1:] != way[:-1]
     return np.concatenate([[0], np.cumsum(jumps)])
 
 

@@ -32,6 +32,7 @@ _MISSED = 0.01  # of the stress in a notch: smaller errors stay as they are
 # Of a groove's own stress: von Mises stress grows by so much at the most, where stress along it is
 # of the other sign (2 over the root of 3).
 _BIAXIAL = 1.155
+_LITTLE = 0.02  # of a point's largest: swings below it, round-off too, damage nothing
 _TOGETHER = 200  # points
 _BESIDE = 3.0  # elements from an edge where a pressure ends, within which it disturbs the stress
 _JUMP = 0.09  # of that pressure: the least scatter there (tests/fem/test_pressed_edges.py)
@@ -119,28 +120,31 @@ class Level(Stressed):
     def _share_across(self, points: IntArray, across: FloatArray) -> FloatArray:
         """Share (n,) of the stress at points that acts across a groove; 1 where there is none.
 
-        Of the largest stress and of the largest swing about its mean, whichever is more.
+        Of the largest stress and of the largest swing about its mean on any path of the duty,
+        whichever is more.
         """
         coefficients = self.history.coefficients
-        swing = coefficients - coefficients.mean(axis=1, keepdims=True)
+        runs = () if self.duty is None else self.duty.runs.values()
+        paths = [coefficients[:, run] for run in runs]
+        swings = [path - path.mean(axis=1, keepdims=True) for path in paths]
         shares = np.ones(len(points))
         grooves = np.flatnonzero(across.any(axis=1))
         for some in np.array_split(grooves, range(_TOGETHER, len(grooves), _TOGETHER)):
             basis, normal = self.history.basis[points[some]], across[some]
             traction = np.einsum("pmij,pj->pim", tensor(basis.swapaxes(1, 2)), normal)
             pulled = np.einsum("pim,pi->pm", traction, normal)
-            most = np.zeros(len(some))
-            for states in (coefficients, swing):
+            parts, wholes = np.zeros((2, 1 + len(swings), len(some)))
+            for k, states in enumerate((coefficients, *swings)):
                 acts = 3 * ((traction @ states) ** 2).sum(axis=1) - 2 * (pulled @ states) ** 2
-                whole = StressHistory(
+                wholes[k] = StressHistory(
                     self.history.nodes[points[some]],
                     self.history.points[points[some]],
                     basis,
                     states,
                 ).peaks_by_point()
-                part = np.sqrt(np.maximum(acts.max(axis=1), 0.0))
-                share = np.divide(part, whole, out=np.ones(len(some)), where=whole > 0)
-                most = np.maximum(most, share)
+                parts[k] = np.sqrt(np.maximum(acts.max(axis=1), 0.0))
+            counts = wholes > _LITTLE * wholes.max(axis=0)
+            most = np.divide(parts, wholes, out=np.zeros_like(parts), where=counts).max(axis=0)
             shares[some] = np.minimum(_BIAXIAL * most, 1.0)
         return shares
 

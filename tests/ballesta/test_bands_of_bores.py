@@ -18,6 +18,7 @@ from checks.models.checked import band_around, rung_estimates, rung_level
 from checks.models.in_bores import Arcs, in_bores
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
+from checks.part.pressed_along import Uneven
 from checks.strength.part_strength import endurance_of, fatigue_use
 from checks.stress.error_bars import bars_of
 from checks.stress.judged import StaticPeak
@@ -139,6 +140,72 @@ def test_a_bore_that_carries_less_than_the_peak_widens_nothing():
     found = rung_estimates(loaded, level, None, again)["static"].check
     assert 0.0 < in_bores(Arcs(loaded, level, again), None, found.value).most < found.value
     assert "more in bores" not in found.note
+
+
+def swung_and_pulled(folder, across, pulled):
+    """A long link by formula, on stated arcs: inertia across bends it, then its pins pull it."""
+    design = link(folder, 0.4, 'bearing_arc = "90 deg"')
+    part = design.parts["rod"]
+    part = replace(part, geometry=replace(part.geometry, length=450.0))
+    area = 450.0 * WIDTH + np.pi * WIDTH**2 / 4 * (1 - 2 * 0.4**2)
+    force = part.material.density * area * THICK * across / 2
+    first = np.array([[0, force], [0, -force], [-pulled, 0], [0, 0]])
+    second = first * [[-1, 1]]
+    sides = {"first": first, "second": second}
+    wrenches = {name: np.pad(forces, ((0, 0), (0, 4))) for name, forces in sides.items()}
+    inertia = np.array([[0, across, 0, 0], [0, -across, 0, 0], [0, 0, 0, 0], [0, 0, 0, 0]])
+    labels = tuple("abcd")
+    loads = PartLoads(wrenches, inertia, {"turn": slice(0, 4)}, labels, ("turn",) * 4)
+    loaded = LoadedPart(design, part, loads)
+    level = rung_level(loaded, shapes.model_of(part, loads))
+    return Arcs(loaded, level, partial(shapes.model_of, part))
+
+
+def test_a_bent_pin_is_asked_where_the_part_itself_is_strained_little(tmp_path, monkeypatch):
+    """158 MPa in the swinging shank, 71 in the pulled bores, which a bent pin doubles."""
+    arcs = swung_and_pulled(tmp_path, 4e6, 3000.0)
+    peaks = arcs.level.peaks_by_position
+    assert peaks[2] < 0.5 * peaks[0]
+    uneven = dict.fromkeys(("first", "second"), Uneven(2.0, "edges", None))
+    monkeypatch.setattr(LoadedPart, "uneven", uneven)
+    monkeypatch.setattr("checks.models.in_bores.that_count", lambda *_, **__: uneven)
+    found = in_bores(arcs, None, peaks[0])
+    assert found.half == pytest.approx(2 * peaks[2], rel=1e-6)
+    assert found.most > 1.1 * found.half
+
+
+def test_fatigue_of_bores_on_arcs_is_that_of_their_own_positions(tmp_path):
+    """The shank swings between two positions at which nothing pulls the bores."""
+    arcs = swung_and_pulled(tmp_path, 1.2e6, 3000.0)
+    use = fatigue_use(arcs.loaded)
+    value, model = use.value(arcs.level), arcs.models[np.pi / 2]
+    assert arcs.level.place(use.point(arcs.level)).startswith("plate")
+    narrow = use.anew(
+        arcs.level, arcs.points, model.history.basis[arcs.points], model.history.coefficients
+    )
+    assert narrow > 1.1 * value
+    assert in_bores(arcs, use, value).most == pytest.approx(narrow, rel=1e-9)
+
+
+def test_the_edges_of_a_levers_lug_end_where_its_outline_does():
+    """Beyond, the series tell nothing, and with more harmonics the most: it was 100 times this."""
+    design = read_design(Path(__file__).parents[2] / "designs" / "gallery" / "shaper.toml")
+    part = design.parts["lever"]
+    part = replace(part, geometry=replace(part.geometry, width=58.0, slot_width=20.0))
+    pull = np.array([[-1000.0, 300.0, 0, 0, 0, 0]])
+    wrenches = {"pivot": pull, "tip": -pull, "slot": 0 * pull}
+    loads = PartLoads(
+        wrenches, np.zeros((1, 4)), {"turn": slice(0, 1)}, ("k",), ("turn",),
+        {"slot": np.array([200.0])},
+    )  # fmt: skip
+    ends = []
+    for arc in (np.pi, np.pi / 2):
+        found = shapes.model_of(part, replace(loads, arc=arc))
+        edge = np.char.endswith(found.places, " edge")
+        far = np.abs(found.history.points[:, 0] - part.geometry.length / 2) < 130.0
+        ends.append(found.history.peaks_by_point()[edge & far])
+    assert len(ends[0])
+    np.testing.assert_allclose(ends[1], ends[0], rtol=0.05)
 
 
 def test_couples_out_of_the_plane_are_not_raised_in_a_rungs_bores():

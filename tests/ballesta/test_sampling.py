@@ -52,13 +52,13 @@ def largest(loads):
     ]
 
 
-def across(folder, positions):
-    """The largest force across the rod of the crank and slider, whose pins rub."""
+def rubbed(folder, positions, end="first", row=1, *overrides):
+    """The largest of a force or couple at an end of the rod of the crank and slider: pins rub."""
     rubbing = 'friction.pins={ coefficient = 0.2, diameter = "12 mm" }'
-    design = machine(folder, PLATE, rubbing, f"cycles.turn.positions={positions}")
+    design = machine(folder, PLATE, rubbing, f"cycles.turn.positions={positions}", *overrides)
 
     def made(loads):
-        value = float(np.abs(loads.wrenches["first"][:, 1]).max())
+        value = float(np.abs(loads.wrenches[end][:, row]).max())
         return [replace(check, value=value) for check in largest(loads)]
 
     (check,) = sampled(made, loads_on(design, design.parts["rod"], solved(design)))
@@ -67,10 +67,16 @@ def across(folder, positions):
 
 def test_friction_that_reverses_between_two_positions_does_not_ring(tmp_path):
     """As the rod swings back, couples of its pins jump: a spline through them rings."""
-    coarse, fine = across(tmp_path, 91), across(tmp_path, 721)
+    coarse, fine = rubbed(tmp_path, 91), rubbed(tmp_path, 721)
     assert coarse.value + coarse.sampling >= fine.value
     assert coarse.sampling < 0.05 * coarse.value
     assert fine.sampling < 1e-3 * fine.value
+
+
+def test_friction_that_rests_at_a_position_does_not_ring(tmp_path):
+    """In line, the rod turns back as the turn begins: there its pins do not rub."""
+    check = rubbed(tmp_path, 91, "second", 5, 'points.B="150, 0 mm"')
+    assert check.sampling < 0.01 * check.value
 
 
 class TestACoarseCycle:

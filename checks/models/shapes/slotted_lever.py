@@ -95,7 +95,7 @@ def _add_lug(
     _, modulus = rectangle_torsion(shape.width, depth)
     tip = name == "tip"
     lug = Lug(hole, depth, mirrored=tip, twist_modulus=float(modulus))
-    edges = strip_edges(half, shape.overhang, room, 1.0 if tip else -1.0)
+    edges = strip_edges(half, shape.overhang, min(room, cut), 1.0 if tip else -1.0)
     x = shape.length if tip else 0.0
     add_bore(points, part, loads, name, x, lug, (0.0,), edges=edges, tilts=True)
 

@@ -1,6 +1,7 @@
 """Eyes of round rods by formula, beside solids of eyes."""
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +10,11 @@ from numpy.testing import assert_allclose
 
 from ballesta.design.read import read_design
 from bench.rod_eyes import HELD_OUT, known, peaks_of, rod_of, solved
+from checks.models.checked import rung_level
+from checks.models.in_bores import Arcs, in_bores
 from checks.models.rod_eyes import BORE, FILLET, INSIDE, eye_stress, scales
 from checks.models.shapes import model_of
+from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from fem.recovery import von_mises
 
@@ -66,6 +70,27 @@ def test_the_second_eye_is_the_first_turned_round(part, number):
     here = np.column_stack([one.history.points, von_mises(one.history.at(0))])
     keys = [np.lexsort(np.round(rows[:, :3], 3).T) for rows in (here, back)]
     assert_allclose(back[keys[1]], here[keys[0]], rtol=1e-6, atol=1e-6)
+
+
+def test_the_fillets_of_an_eye_have_more_on_narrower_arcs_too(part):
+    """Short and thin eyes: the bore presses the fillet apart, where the largest stress is."""
+    rod = rod_of((0.66, 0.52, 0.51, 0.5, 0.28))
+    pull = np.array([[-1000.0, 0, 0, 0, 0, 0]])
+    loads = PartLoads(
+        {"first": pull, "second": -pull},
+        np.zeros((1, 4)), {"turn": slice(0, 1)}, ("k = 0",), ("turn",), {}, "first",
+    )  # fmt: skip
+    bent = replace(part, geometry=rod, bearing_arc=np.pi / 2, arc_stated=True, clearances={})
+    design = replace(read_design(DESIGNS / "spring_hammer.toml"), parts={"rod": bent})
+    loaded = LoadedPart(design, bent, loads)
+    level = rung_level(loaded, model_of(bent, loads))
+    arcs = Arcs(loaded, level, partial(model_of, bent))
+    narrow = arcs.models[np.pi / 2].history.peaks_by_point()
+    places = np.array(level.model.places)
+    assert places[narrow.argmax()] == places[level.peak.point] == "fillet"
+    assert narrow.max() > 1.2 * level.peak.value
+    found = in_bores(arcs, None, level.peak.value)
+    assert found.by_arc[np.pi / 2] == found.most == narrow.max()
 
 
 def test_proportions_beyond_the_solids_count_as_the_nearest():

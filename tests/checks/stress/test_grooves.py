@@ -12,11 +12,13 @@ from fem.stress_history import StressHistory
 ALONG, ACROSS, SHEAR = ([row] for row in np.eye(6)[[0, 1, 3]].tolist())
 
 
-def share(basis, coefficients, across=(0.0, 1.0, 0.0)):
-    """Of one point, stress (m, 6) by coefficients (m, n)."""
+def share(basis, coefficients, across=(0.0, 1.0, 0.0), runs=None):
+    """Of one point, stress (m, 6) by coefficients (m, n), and the paths of its duty."""
     basis = np.array(basis).T[None]
     history = StressHistory(np.arange(1), np.zeros((1, 3)), basis, np.array(coefficients))
-    found = Level._share_across(SimpleNamespace(history=history), np.arange(1), np.array([across]))
+    duty = SimpleNamespace(runs=runs or {"turn": np.arange(history.coefficients.shape[1])})
+    level = SimpleNamespace(history=history, duty=duty)
+    found = Level._share_across(level, np.arange(1), np.array([across]))
     return float(found[0])
 
 
@@ -37,6 +39,19 @@ def test_both_together_by_their_share_of_von_mises_stress():
 
 def test_a_swing_across_counts_beside_a_steady_stress_along():
     assert share([*ALONG, *ACROSS], [[100.0, 100.0], [5.0, -5.0]]) == 1.0
+
+
+def test_a_swing_across_counts_beside_a_larger_stress_along_of_another_cycle():
+    """An overload of 200 along, which is in no duty or is rare; a cycle of +-40 across."""
+    states = [[200.0, 0.0, 0.0, 0.0], [0.0, 0.0, 40.0, -40.0]]
+    turn, every = np.array([2, 3]), np.arange(4)
+    for runs in ({"turn": turn}, {"turn": turn, "between cycles": every}):
+        assert share([*ALONG, *ACROSS], states, runs=runs) == 1.0
+    assert share([*ALONG, *ACROSS], states, runs={"overload": np.array([0, 1])}) < 0.5
+
+
+def test_a_steady_stress_along_has_no_swing_that_counts():
+    assert share(ALONG, [[80.0, 80.0]]) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_where_no_groove_is_all_counts():
