@@ -221,13 +221,18 @@ def _largest(
         return 0.0
     units, history = [name for name, _ in model.units], model.history
     places = np.array(model.places)[points]
+    times = more * max((one.most for one in uneven.values()), default=1.0)
     every = every or model is level.model
     if use is not None and every:
         used = level.judged_duty.bound[points]
         most = {bore: used[places == bore].max() for bore in set(places)}
-        share = _NEAR if model is level.model else _HIGH
-        near = used >= share * np.array([most[bore] for bore in places])
+        share, least = _NEAR, 0.0
+        if model is not level.model:  # also where it may exceed the part's largest
+            share, least = _HIGH, _HIGH / times * level.judged_duty.bound.max()
+        near = used >= np.maximum(share * np.array([most[bore] for bore in places]), least)
         points, places = points[near], places[near]
+        if not len(points):
+            return 0.0
     factors: FloatArray = np.full((len(points), len(units)), more)
     for bore, one in uneven.items():
         pressed = np.array([name.startswith(f"{bore} ") for name in units])
@@ -235,7 +240,7 @@ def _largest(
     factors[:, _across(model)] = 1.0
     raised = history.basis[points] * factors[:, None, :]
     if use is None:
-        return _peak(level, history, points, raised, float(factors.max()))
+        return _peak(level, history, points, raised, times)
     if every:
         return use.anew(level, points, raised, history.coefficients, loaded.loads.cycles)
     pair = history.coefficients[:, list(use.worst(level).pair)]
