@@ -95,8 +95,9 @@ def _turned(names: Sequence[str]) -> FloatArray:
 def _rim(shape: TubeRod, angles: FloatArray, names: Sequence[str]) -> FloatArray:
     """Stress (rows, k, 6, patterns) in the first eye's bore, MPa per N and N mm of the patterns.
 
-    Harmonics that the half circle does not have fall off like (hole/eye)^n: p cos(n t) has the hoop
-    stress -p cos(n t) of a wide plate (Bickley), n >= 3.
+    Harmonics that the half circle does not have are those of a wide plate: p cos(n t) has the hoop
+    stress -p cos(n t) (Bickley). Of thin eyes n = 3 has more, 2.7 times in a lug of d/W = 0.55: on
+    90 degrees the bore is up to 11 % low there, which the bands, compared on arcs, hold.
     """
     own = _known_rim(shape, angles)
     stress = np.zeros((*own.shape[:3], len(names)))
