@@ -168,7 +168,7 @@ class NoBand:
 
 def bores_given(value: float) -> Given:
     """The largest stress in bores whose arc of contact is not stated, or whose pin bends, MPa."""
-    said = "the largest in the bores or beside them, raised as arcs that are not stated and bent pins may"
+    said = "the largest in bores or beside, raised as arcs that are not stated and bent pins may"
     return Given("p_b", said, value, "MPa", "docs/validation.md")
 
 
