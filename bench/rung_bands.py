@@ -89,6 +89,16 @@ class Compared:
         """Solid over rung, less of an excess what stress alone explains: the bars' other term."""
         return min(self.ratio, max(1.0, (self.truth - self.by_stress) / self.value))
 
+    @property
+    def error(self) -> float:
+        """Rung over solid less 1, on the arc where it is largest."""
+        return max(abs(1 / ratio - 1) for ratio in (self.ratio, *self.on_arcs))
+
+    def inside(self, low: float, high: float) -> bool:
+        """True if a band holds the solid on the half circle and on the arcs of both ends."""
+        most, least = self.on_arcs or (self.left, self.left)
+        return low <= min(self.left, least) and max(self.left, most) <= high
+
 
 def of_solid(line: Mapping[str, Any], kind: str) -> Mapping[str, Any] | None:
     """The solid's check of a kind in a line of truth.jsonl; None without one that converged."""

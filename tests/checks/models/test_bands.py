@@ -204,7 +204,7 @@ def test_no_solid_has_nearly_twice_a_bar_s_share_and_what_its_stress_adds():
             found[line["family"]].append((line["truth"] - more) / line["value"])
     bent = found.pop("bent lever")
     assert len(bent) >= 16
-    assert max(bent) < 0.57 * MOST_BENT
+    assert max(bent) < 0.55 * MOST_BENT
     left = [one for family in found.values() for one in family]
     left += [
         (line["solid"]["buckling"][0] - line["by stress"]) / line["rungs"]["buckling"]
