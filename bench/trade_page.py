@@ -276,8 +276,9 @@ def page() -> str:
         "arcs where both are largest and least; the error is that of the arc where it is largest.",
         "*Left out* is the share inside bars that were made without the solid in question.",
         "Outside the proportions that were compared a rung has no bar, and `auto` climbs. It stops",
-        "where 1.5 times the bars leave the verdict alone. Here pins press on the assumed arcs; where the",
-        "file states none, every rung's bar reaches 7 % higher in bores: not in these tables.",
+        "where 1.5 times the bars leave the verdict alone. Here pins press on the assumed arcs;",
+        "where the file states none, every rung's bar reaches 7 % higher in bores: not in these",
+        "tables.",
         "",
         *_table(
             ("Rung", "Inside the bars", "Share", "Left out", "Median bar", "Median error", "Ratio"),
