@@ -93,6 +93,7 @@ class PinLoadedHole:
     patterns as `fem.unit_loads.bearing_coefficients` has them: pressures cos(n t)/(pi r) per mm of
              thickness, n = 0, 1, 2, 4 (or more, on narrower arcs), whose n = 1 is a force of 1 N,
              and a couple of 1 N mm
+    half     the lug's own for the patterns of the half circle, where these are more; else None
     """
 
     radius: float
@@ -104,16 +105,22 @@ class PinLoadedHole:
     reach: float
     order: int
     patterns: tuple[str, ...] = PATTERNS
+    half: Self | None = None
 
     def at(self, points: ComplexArray) -> FloatArray:
         """Stress xx, yy, xy (k, 3, 8) in 1/mm at points x + i y of the lug, of the patterns."""
         found = np.zeros((len(points), 3, len(self.patterns)))
         powers = _powers(points, self.radius, self.middle, self.reach, self.order)
+        solved = self.patterns
+        if self.half is not None:
+            known = self.half.patterns
+            found[:, :, [self.patterns.index(name) for name in known]] = self.half.at(points)
+            solved = tuple(name for name in self.patterns if name not in known)
         for odd, coefficients in ((False, self.even), (True, self.odd)):
             total, deviator = _terms(points, powers, odd=odd)
             own = _fixed(points, self.poisson_ratio, odd=odd)
             half, skew = total @ coefficients / 2, deviator @ coefficients
-            names = _names(self.patterns, odd=odd)
+            names = _names(solved, odd=odd)
             half[:, _forces(names)] += own[0][:, None] / 2
             skew[:, _forces(names)] += own[1][:, None]
             columns = [self.patterns.index(name) for name in names]
@@ -145,12 +152,17 @@ def pin_loaded_hole(
     middle = float((outline.points.real.min() + outline.points.real.max()) / 2)
     reach = float(np.abs(outline.points - middle).max())
     # what the hole needs falls like (radius/distance)^n; both sides of a ring disturb each other
-    fewest = _FEWEST if harmonics == HARMONICS else max(harmonics) + 1
-    order = max(fewest, ceil(log(_LEFT) / log(ratio)))
-    patterns = patterns_of(harmonics)
-    sizes = poisson_ratio, middle, reach, order
-    even, odd = _coefficients(radius, outline.numbers, *sizes, patterns)
-    return PinLoadedHole(radius, outline, poisson_ratio, even, odd, middle, reach, order, patterns)
+    order, half = max(_FEWEST, ceil(log(_LEFT) / log(ratio))), None
+    patterns = solved = patterns_of(harmonics)
+    if harmonics != HARMONICS:
+        half = pin_loaded_hole(radius, outline, poisson_ratio)
+        order = max(order, max(harmonics) + 1)
+        solved = tuple(name for name in patterns if name not in half.patterns)
+    sizes = middle, reach, order
+    even, odd = _coefficients(radius, outline.numbers, poisson_ratio, *sizes, solved)
+    return PinLoadedHole(
+        radius, outline, poisson_ratio, even, odd, *sizes, patterns=patterns, half=half
+    )
 
 
 @lru_cache(maxsize=32)
