@@ -32,6 +32,9 @@ _MISSED = 0.01  # of the stress in a notch: smaller errors stay as they are
 # Of a groove's own stress: von Mises stress grows by so much at the most, where stress along it is
 # of the other sign (2 over the root of 3).
 _BIAXIAL = 1.155
+# Share from which on all of the stress counts as across: a facet beside a point tells the groove's
+# direction to some 30 degrees.
+_ALONG = 0.5
 _LITTLE = 0.02  # of a point's largest: swings below it, round-off too, damage nothing
 _TOGETHER = 200  # points
 _BESIDE = 3.0  # elements from an edge where a pressure ends, within which it disturbs the stress
@@ -145,7 +148,8 @@ class Level(Stressed):
                 parts[k] = np.sqrt(np.maximum(acts.max(axis=1), 0.0))
             counts = wholes > _LITTLE * wholes.max(axis=0)
             most = np.divide(parts, wholes, out=np.zeros_like(parts), where=counts).max(axis=0)
-            shares[some] = np.minimum(_BIAXIAL * most, 1.0)
+            found = _BIAXIAL * most
+            shares[some] = np.where(found < _ALONG, found, 1.0)
         return shares
 
     @property
