@@ -205,7 +205,8 @@ def test_the_edges_of_a_levers_lug_end_where_its_outline_does():
         far = np.abs(found.history.points[:, 0] - part.geometry.length / 2) < 130.0
         ends.append(found.history.peaks_by_point()[edge & far])
     assert len(ends[0])
-    np.testing.assert_allclose(ends[1], ends[0], rtol=0.05)
+    # within 2 % of the largest, which is what the series of fewer powers leaves far from the hole
+    np.testing.assert_allclose(ends[1], ends[0], rtol=0, atol=0.02 * ends[0].max())
 
 
 def test_couples_out_of_the_plane_are_not_raised_in_a_rungs_bores():
