@@ -413,8 +413,8 @@ def answer_text(
     report  path that the last line names
 
     Each part has its governing check alone, and parts of one outcome share a row; `verdict_text`
-    has all checks. Of a warning the first sentence stands here; the second warning and the third
-    change where the text keeps to 25 lines with them.
+    has all checks. Of a warning the first sentence stands here; the second warning, the changes
+    after the first and the dearer way out where the text keeps to 25 lines with them.
     """
     width = line_width(width)
     answer = answer_of(result)
@@ -433,8 +433,9 @@ def answer_text(
     below += [f"  {line}" for line in wrap(others, width - 2)]
     below += report_line(report)
     fewer = [headline]
-    if dropped := [fact for fact in headline if fact.label == "or"][1:]:
-        fewer.append([fact for fact in headline if fact not in dropped])
+    for label, kept in (("or", 1), ("way out", 1), ("or", 0)):
+        dropped = [fact for fact in fewer[-1] if fact.label == label][kept:]
+        fewer.append([fact for fact in fewer[-1] if fact not in dropped])
     for facts, most in product(fewer, range(_MOST_WARNINGS, 0, -1)):
         above = [*lines, *_facts(facts, width), *_facts(_warnings(result, most), width)]
         if len(above) + len(below) <= _MOST_LINES:
