@@ -6,8 +6,9 @@ refuses, and what no longer fits its loads, is passed over, so that a scene's va
 of the first draws that fit.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from math import exp, log
 from typing import Any
 
@@ -17,7 +18,8 @@ from scipy.stats import qmc
 from ballesta.design.read import read_design
 from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
-from bench.levers import TURNS, drawn_levers
+from bench.beams import BOUNDS, drawn_beams
+from bench.levers import TURNS, Drawn, drawn_levers
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError
 from checks.part.loaded_part import LoadedPart, check_reach
@@ -169,7 +171,14 @@ SCENES = (
     Scene("gallery/tail_lift", "upper_arm", 7, _BAR),
     Scene("straight", "lever", 40, {}),
     Scene("bent", "lever", 40, {}),
+    Scene("rhs_beam", "lever", 40, {}),
+    Scene("i_beam", "lever", 40, {}),
 )
+# by design: parts whose machines are drawn with them, how many are wanted -> these
+DRAWN: Mapping[str, Callable[[int], Iterator[Drawn]]] = {
+    **{kind: partial(drawn_levers, kind) for kind in TURNS},
+    **{shape: partial(drawn_beams, shape) for shape in BOUNDS},
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,11 +221,9 @@ class Machines:
         return self._solved[name]
 
     def variations(self, scene: Scene) -> Iterator[Variation]:
-        """The part of a scene as it is, then its variations; of levers the random ones."""
-        if scene.design in TURNS:
-            for number, (numbers, design, cycles) in enumerate(
-                drawn_levers(scene.design, scene.count)
-            ):
+        """The part of a scene as it is, then its variations; those alone of drawn parts."""
+        if scene.design in DRAWN:
+            for number, (numbers, design, cycles) in enumerate(DRAWN[scene.design](scene.count)):
                 part = design.parts[scene.part]
                 loads = loads_on(design, part, cycles)
                 yield Variation(scene, number, numbers, design, part, loads, cycles)

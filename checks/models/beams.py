@@ -5,14 +5,14 @@ from itertools import pairwise
 import numpy as np
 
 from checks.design.data import Part
-from checks.handbook.boss_in_plate import FIELDS, BossInPlate, boss_in_plate
+from checks.handbook.boss_in_plate import BossInPlate, boss_in_plate
 from checks.handbook.lug_stress import stepped_bar
-from checks.handbook.pin_loaded_hole import PATTERNS
 from checks.models.formula_bars import BarPart, SectionForces, Stretches
 from checks.models.formula_lugs import ANGLES, bore_columns
 from checks.models.formula_points import XX, XY, YY, Points
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
+from fem.unit_loads import harmonics_of
 from geometry.bars import fine_cells
 from geometry.mesh import FloatArray
 from geometry.parts import Beam, PinHole
@@ -107,8 +107,9 @@ def _add_boss(
     """
     form, thick = shape.form, shape.boss_length
     found = boss_in_plate(
-        hole.diameter / 2, hole.boss / 2, thick, form.webs, part.material.poisson_ratio
-    )
+        hole.diameter / 2, hole.boss / 2, thick, form.webs, part.material.poisson_ratio,
+        harmonics_of(loads.arc),
+    )  # fmt: skip
     aside = _BESIDE * shape.length
     passed, forces = sections.at(hole.at + aside * np.array([-1.0, 1.0]))
     area, inertia = form.section.area, form.section.inertia_in_plane
@@ -149,7 +150,7 @@ def _of(
     found: BossInPlate, arms: np.ndarray, fields: FloatArray, *, ring: bool
 ) -> tuple[FloatArray, FloatArray]:
     """Stress (k, 6, columns) of the pin's patterns, and of the fields (3, columns)."""
-    plane = found.at(arms, ring=ring)
-    full = np.zeros((len(arms), 6, len(PATTERNS) + len(FIELDS)))
+    plane, pressed = found.at(arms, ring=ring), len(found.patterns)
+    full = np.zeros((len(arms), 6, plane.shape[2]))
     full[:, _PLANE] = plane
-    return full[:, :, : len(PATTERNS)], full[:, :, len(PATTERNS) :] @ fields
+    return full[:, :, :pressed], full[:, :, pressed:] @ fields

@@ -4,4 +4,4 @@ from checks.models.beams import stress
 from checks.models.shape_model import ShapeModel
 from geometry.parts import IBeam
 
-MODEL = ShapeModel(IBeam, stress, press_fits=True)
+MODEL = ShapeModel(IBeam, stress, press_fits=True, arcs=True)

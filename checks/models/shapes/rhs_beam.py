@@ -4,4 +4,4 @@ from checks.models.beams import stress
 from checks.models.shape_model import ShapeModel
 from geometry.parts import RhsBeam
 
-MODEL = ShapeModel(RhsBeam, stress, press_fits=True)
+MODEL = ShapeModel(RhsBeam, stress, press_fits=True, arcs=True)

@@ -6,6 +6,7 @@ import pytest
 from checks.handbook.boss_in_plate import FIELDS, boss_in_plate
 from checks.handbook.lug_stress import polar
 from checks.handbook.pin_loaded_hole import PATTERNS, open_hole
+from fem.unit_loads import OF_ARCS, bearing_coefficients
 
 NU, HOLE, BOSS = 0.3, 10.0, 16.0
 ANGLES = np.radians(np.arange(0.0, 360.0, 15.0))
@@ -68,6 +69,26 @@ def test_forces_and_strains_go_on_from_the_ring_to_the_plate(column):
     np.testing.assert_allclose(
         hoop - NU * radial, hoop_out - NU * radial_out, atol=1e-7 * size, rtol=1e-7
     )
+
+
+def test_a_pin_on_a_narrow_arc_presses_there_alone():
+    """1 N on 90 degrees: radial -p0 cos 2t at the rim, p0 = 3/(2 sqrt 2 a thick)."""
+    thick, thin, force = 40.0, 6.0, [[1.0, 0.0, 0.0]]
+    found = boss_in_plate(HOLE, BOSS, thick, thin, NU, OF_ARCS)
+    (own,) = bearing_coefficients(np.array(force), inward=False, arc=np.pi / 2)
+    _, radial, shear = polar(found.at(RIM, ring=True)[:, :, : len(own)] @ own, ANGLES)
+    pressed = np.cos(2 * ANGLES) * (np.cos(ANGLES) > np.cos(np.pi / 4))
+    peak = 3 / (2 * np.sqrt(2)) / (HOLE * thick)
+    np.testing.assert_allclose(radial, -peak * pressed, atol=0.04 * peak)  # in its kink
+    np.testing.assert_allclose(shear, 0.0, atol=1e-9 * peak)
+    few = boss_in_plate(HOLE, BOSS, thick, thin, NU)
+    same = [found.patterns.index(name) for name in PATTERNS]
+    for ring in (True, False):
+        wanted = few.at(OUTSIDE, ring=ring)[:, :, : len(PATTERNS)]
+        size = np.abs(wanted).max()
+        np.testing.assert_allclose(
+            found.at(OUTSIDE, ring=ring)[:, :, same], wanted, atol=1e-9 * size
+        )
 
 
 def test_a_boss_that_holds_no_hole_is_refused():
