@@ -16,12 +16,14 @@ class Profile:
     sections   stiffnesses, of which shear areas are those of thin walls
     shear      1/mm2, shear stress in the middle of its height per N of shear force
     webs       mm, thickness of all webs together
+    warping    mm6: flanges that bend against each other as the section twists
     """
 
     section: Section
     sections: Sections
     shear: float
     webs: float
+    warping: float = 0.0
 
 
 def hollow_profile(height: float, width: float, wall: float, corner: float) -> Profile:
@@ -53,7 +55,9 @@ def i_profile(height: float, width: float, web: float, flange: float, root: floa
     """I section, mm: exact areas, torsion with the circles at web and flanges.
 
     The torsion constant adds to thin strips the circles inscribed where web and flanges meet; its
-    source was not opened, and the printed 0.70 cm4 of IPE 80 is what it has.
+    source was not opened, and the printed 0.70 cm4 of IPE 80 is what it has. Flanges h - f apart,
+    each of half of I_y, have E I_y/2 ((h - f)/2 t'')^2 as energy of a twist t: warping I_y
+    (h - f)^2/4.
     """
     h, b, s, f, r = height, width, web, flange, root
     inner = h - 2 * f
@@ -74,6 +78,7 @@ def i_profile(height: float, width: float, web: float, flange: float, root: floa
         Sections(*(np.array(value) for value in values)),
         half / (s * about_z),
         s,
+        about_y * (h - f) ** 2 / 4,
     )
 
 

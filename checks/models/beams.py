@@ -1,5 +1,6 @@
 """Beams of a profile with pins in bosses, by formula."""
 
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from checks.design.data import Part
 from checks.handbook.boss_in_plate import BossInPlate, boss_in_plate
 from checks.handbook.lug_stress import stepped_bar
+from checks.models.beam_buckling import elastic_load
 from checks.models.formula_bars import BarPart, SectionForces, Stretches
 from checks.models.formula_lugs import ANGLES, bore_columns
 from checks.models.formula_points import XX, XY, YY, Points
@@ -38,7 +40,7 @@ def stress(part: Part, shape: Beam, loads: PartLoads) -> RungModel | None:
     for hole in row:
         _add_boss(whole.points, part, shape, loads, sections, hole)
     return whole.model(
-        local=lambda: None,  # thin walls may buckle before the beam does
+        buckles=partial(elastic_load, part, shape, loads, whole.forces),
         neglects="that a boss is near to flanges and ends; bending of the walls across themselves; "
         "sleeves that bend between the webs",
     )

@@ -50,6 +50,10 @@ ASIDE = "out of plane: the bar is bent aside and twists"
 _SIDEWAYS = "out of plane: Euler's column and lateral buckling of the bent bar"
 PRESSED = 8 / (3 * pi)  # of a bore's radius: where the resultant of a half cosine pressure stands
 HARDLY = 0.05  # of the largest force: what presses a part that is nearly always pulled
+# E (t/b)^2 over a long plate's critical stress, both edges held along it, or one free: k = 4 or
+# 0.425 in k pi^2 E/(12 (1 - nu^2)) (t/b)^2 (docs/theory/buckling.md)
+_HELD, _FREE = 0.28, 2.6
+_STOUT = 12.0  # the same of what is no plate
 _NO_MOMENT = 1e-9  # of the largest force times the length: round-off
 _PULLED = "only pulled: lateral buckling of the bent bar, without the pull that stiffens it"
 _KINDS = {
@@ -216,14 +220,17 @@ class BarPart:
         local: Callable[[], float | None] | None = None,
         stretch: Mode | None = None,
         aside: Callable[[bool], Aside] | None = None,
+        buckles: Callable[[], ElasticLoad] | None = None,
     ) -> RungModel:
         """The rung `formula` of its points; `local`, `stretch` and `aside` as in `elastic_load`.
 
         Nothing is known of a stretch by itself where `local` gives None: then no buckling load is.
+
+        buckles  the buckling load by a model of the shape's own, in place of these
         """
         part, loads, bar, mass, length = self.part, self.loads, self.forces, self.mass, self.length
 
-        def buckles() -> ElasticLoad | None:
+        def as_bar() -> ElasticLoad | None:
             known = 0.0 if local is None else local()
             if known is None:
                 return None
@@ -243,7 +250,7 @@ class BarPart:
         return self.points.model(
             residual=left_over(bar, loads, length),
             deflection=most_deflected(bar, part, mass, length),
-            buckles=buckles,
+            buckles=buckles or as_bar,
             neglects=neglects,
         )
 
@@ -315,6 +322,16 @@ def _worked(bar: BarLoads, first: float, last: float) -> FloatArray:
     share = (np.arange(_STATIONS) + 0.5) / _STATIONS
     weight = np.cos(pi * share) ** 2
     return np.asarray(-(weight / weight.sum()) @ bar.at(first + (last - first) * share).axial)
+
+
+def as_plate(breadth: float, wall: float, *, free: bool = False) -> float:
+    """E over the critical stress of a long plate, mm; `free` at one edge, or held at both."""
+    return (_FREE if free else _HELD) * (breadth / wall) ** 2
+
+
+def of_walls(most: float) -> float:
+    """`ElasticLoad.local` of a part whose most slender wall has `most` for E over its stress."""
+    return max(1.0, most / _STOUT)
 
 
 def elastic_load(

@@ -117,6 +117,11 @@ class Beam(Shape):
 
     @property
     @abstractmethod
+    def plates(self) -> Sequence[tuple[float, float, bool]]:
+        """Breadth and thickness of flat walls, mm, and True for one with a free edge."""
+
+    @property
+    @abstractmethod
     def form(self) -> Profile:
         """The profile's properties."""
 
@@ -351,6 +356,12 @@ class RhsBeam(Beam):
         """The wall, mm."""
         return self.wall
 
+    @property
+    def plates(self) -> Sequence[tuple[float, float, bool]]:
+        """Webs and flanges, held along both edges."""
+        sides = (self.height, self.width)
+        return [(side - 2 * self.wall, self.wall, False) for side in sides]
+
     @cached_property
     def form(self) -> Profile:
         """The profile's properties."""
@@ -423,6 +434,15 @@ class IBeam(Beam):
     def thinnest(self) -> float:
         """Thinner of web and flange, mm."""
         return min(self.web, self.flange)
+
+    @property
+    def plates(self) -> Sequence[tuple[float, float, bool]]:
+        """The web, and halves of the flanges, free at their tips."""
+        outstand = (self.width - self.web) / 2
+        return [
+            (self.height - 2 * self.flange, self.web, False),
+            (outstand, self.flange, True),
+        ]
 
     @property
     def _thickest(self) -> float:

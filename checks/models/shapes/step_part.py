@@ -22,11 +22,13 @@ from checks.models.bar_modes import from_start
 from checks.models.formula_bars import (
     SectionForces,
     Stretches,
+    as_plate,
     bar_loads,
     elastic_load,
     holds_last,
     left_over,
     most_deflected,
+    of_walls,
 )
 from checks.models.formula_points import XX, Points
 from checks.models.shape_model import ShapeModel
@@ -41,8 +43,6 @@ _BESIDE = 1e-9  # of it: how far a section just beside a hole is from the hole's
 _SHEARED = 0.4  # of the area: shear coefficients are 0.83 of a rectangle, 0.42 of a thin square box
 _TWISTED = 0.12  # Saint-Venant's constant over A t^2, t the thinnest wall: a square has 0.14
 _BESIDE_BORES = 4.0  # times the nominal stress of the sections
-_HELD, _FREE = 0.28, 2.6  # E (t/b)^2 over a long plate's critical stress, by its second edge
-_STOUT = 12.0  # the same of what is no plate
 
 
 def stress(part: Part, shape: StepPart, loads: PartLoads) -> RungModel | None:
@@ -83,7 +83,7 @@ def stress(part: Part, shape: StepPart, loads: PartLoads) -> RungModel | None:
         weakest = _weakest(bar_of, cut.between)
         weak = elastic_load(part, own, forces, weakest, span, held_last=last_holds)
         worst = max(map(_as_plate, cut.between))
-        local = _BESIDE_BORES * max(1.0, worst / _STOUT)
+        local = _BESIDE_BORES * of_walls(worst)
         return replace(load, weakest=max(load.share, weak.share), local=local)
 
     return points.model(
@@ -129,13 +129,9 @@ def _weakest(bar: Stretches, between: Sequence[Slice]) -> Stretches:
 
 
 def _as_plate(one: Slice) -> float:
-    """E over the critical stress of its thinnest wall as a long plate as wide as all of it.
-
-    Both edges held along, or one free: k = 4 or 0.425 in k pi^2 E/(12 (1 - nu^2)) (t/b)^2
-    (docs/theory/buckling.md).
-    """
+    """Its thinnest wall, held along both edges or free at one, as wide as all of it."""
     wall, fin = one.walls
-    return max(_HELD * (one.breadth / wall) ** 2, _FREE * (one.breadth / fin) ** 2)
+    return max(as_plate(one.breadth, wall), as_plate(one.breadth, fin, free=True))
 
 
 def _on_line(loads: PartLoads, centres: Mapping[str, FloatArray]) -> PartLoads:
