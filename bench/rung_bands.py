@@ -128,8 +128,9 @@ def rungs_of(variation: Variation, line: Mapping[str, Any]) -> Iterable[Compared
     values = {STATIC: level.peak.value}
     if use is not None:
         values[FATIGUE] = use.value(level)
-    if model.buckling is not None and not model.buckling.pulled:  # pulled: a bound, no band
-        values[BUCKLING] = model.buckling.share
+    load = model.buckling
+    if load is not None and not load.pulled and load.weakest is None:  # others: a bound, no band
+        values[BUCKLING] = load.share
     seconds = process_time() - start
     for kind, value in values.items():
         truth = of_solid(line, kind)
