@@ -26,7 +26,7 @@ from checks.design.model import (
     StepPartEntry,
     WeldEntry,
 )
-from checks.design.stacks import check_stacks
+from checks.design.stacks import check_stacks, with_plays
 from checks.design.strength import FkmStrength, fkm_of
 from checks.handbook.fits import clearances_of
 from checks.handbook.weld_details import HIGHEST, STANDARD, category_of
@@ -246,7 +246,7 @@ def parts_of(
         made = _part(name, entry, file, geometry, material, rollers, fkm, clearances)
         parts[name] = dataclasses.replace(made, welds=welds, bushes=bushes)
     check_stacks(parts, file.parts, problems)
-    return with_press_fits(parts, problems)
+    return with_press_fits(with_plays(parts), problems)
 
 
 def _rollers(
