@@ -33,6 +33,42 @@ def check_stacks(parts: Mapping[str, Part], stated: Mapping[str, Any], problems:
                     _check_offset(pin, part, interface, problems)
 
 
+def with_widths(parts: Mapping[str, Part]) -> dict[str, Part]:
+    """The parts with pins that bear no longer in a lug than the part there has a hole."""
+    found = dict(parts)
+    for pin in parts.values():
+        shape = as_pin(pin.geometry)
+        if pin.joint is None or shape is None:
+            continue
+        lengths = {
+            part.body: face.length
+            for part, interface in _carried(pin, parts)
+            for face in part.geometry.placed_interfaces
+            if face.name == interface and face.kind == "bore"
+        }
+        stack = tuple(
+            lug
+            if within(lug.width, lengths.get(lug.body, math.inf))
+            else lug.model_copy(update={"width": lengths[lug.body]})
+            for lug in pin.stack
+        )
+        widths = {lug.name: lug.width for lug in stack}
+        seats = tuple(replace(seat, width=widths[seat.name]) for seat in shape.seats)
+        found[pin.name] = replace(pin, stack=stack, geometry=replace(shape, seats=seats))
+    return found
+
+
+def told_of_widths(
+    parts: Mapping[str, Part], stated: Mapping[str, Any]
+) -> Iterator[tuple[str, str]]:
+    """Keys of the lugs that are stated wider than their parts' holes are long, and what counts."""
+    for name, part in parts.items():
+        for k, lug in enumerate(part.stack):
+            if lug.width != stated[name].stack[k].width:
+                said = f"the hole of {lug.body} is {lug.width:g} mm long, which counts"
+                yield f"parts.{name}.stack[{k}].width", said
+
+
 def with_plays(parts: Mapping[str, Part]) -> dict[str, Part]:
     """The parts with the clearance that a pin's diameter leaves in a hole, where no fit is stated.
 
