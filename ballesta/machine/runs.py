@@ -355,7 +355,7 @@ def stop_doubts(design: Design, solved: Solved) -> tuple[list[LoadPair], list[Ga
             words = f"{first}: {END_OF_TRAVEL} {size:.3g} {unit}"
             pairs.append(LoadPair(words, (low, high), dead_centre_gate(first) if near else ""))
         elif not near:
-            said = "it reaches a dead centre, or where the linkage cannot go"
+            said = "it reaches a dead centre, where the linkage cannot go, or a force is not given"
             gates.append(_unknown_end(first, said, "or end the travel before"))
     return pairs, gates
 

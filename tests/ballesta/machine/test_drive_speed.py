@@ -1,6 +1,7 @@
 """The drive's speed: how it is stated, and the bars of the loads where it is not even."""
 
 from math import inf
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from checks.design.errors import DesignError
 from checks.ladder.climb import start_climb
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import Doubt, loads_on
+from checks.result.verdict import Status
 from checks.strength.load_doubts import LoadBars, load_bars
 
 from ...misses import misses
@@ -194,6 +196,17 @@ def test_load_bars_stand_in_the_derivations(checked):
     for check in found:
         assert misses(check.derivation, check) == ""
         assert check.derivation.number("e_load") == pytest.approx(check.loads)
+
+
+def test_a_check_of_a_part_that_only_the_end_of_a_doubt_loads_is_open():
+    """Nothing to widen in proportion, and no pass either; round-off is no load."""
+    parts = [SimpleNamespace(doubts=()), *(SimpleNamespace(value=v) for v in (300.0, 1e-12))]
+    parts[0].doubts = tuple(SimpleNamespace(words=f"{x.value}", ends=[x]) for x in parts[1:])
+    bars = load_bars(parts[0], lambda some: {"static": getattr(some, "value", 0.0)})
+    check = bars(result_check(value=0.0))
+    assert check.status is Status.UNDECIDED
+    assert check.model == inf
+    assert check.note.endswith("the part is loaded only at the ends of: 300.0")
 
 
 def test_a_check_without_a_model_band_above_still_has_what_loads_may_lack_below():
