@@ -13,8 +13,6 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-import numpy as np
-
 import loads
 from ballesta.design.plate_parts import told_of_steps
 from ballesta.design.read import read_design
@@ -61,8 +59,7 @@ from fem.solvers import SolverError, chosen_solver
 from fem.threads import keep_freed_memory, one_thread, policy
 
 Say = Callable[[str], None]
-_FAR = 0.2  # use of a linkage's buckling load, in proportion to its forces, that decides nothing
-_LITTLE = 1e-6  # of the largest force of a joint: round-off
+_FAR = 0.2  # use of a linkage's buckling load that no doubt about its speed brings to its limit
 _CAD = (".step", ".stp")
 
 NOT_CHECKED = (
@@ -168,7 +165,7 @@ def check_with_cycles(
         say("loads: buckling of the linkage")
         motions = FreeMotions()
         mode = stored_mode(store, design, runs) if store else worst_mode(design, runs, motions)
-        linkage = [] if mode is None else [_of_linkage(design, mode, runs, doubts.all, motions)]
+        linkage = [] if mode is None else [_of_linkage(design, mode, doubts.all, motions)]
         linkage += _of_cylinders(design, runs, doubts.all)
         timings["loads"] = perf_counter() - start - sum(models.seconds.values())
     except loads.LinkageError as error:
@@ -282,38 +279,16 @@ def _warnings_of_parts(design: Design, results: Sequence[PartResult]) -> list[st
 
 
 def _of_linkage(
-    design: Design,
-    mode: LinkageMode,
-    runs: Runs,
-    doubts: Sequence[Doubt],
-    motions: FreeMotions,
+    design: Design, mode: LinkageMode, doubts: Sequence[Doubt], motions: FreeMotions
 ) -> Check:
     mode = mode.under(design.load_factor)
     check = linkage_check(design, mode)
     ends = {
         doubt.words: [_linkage_share(design, end, motions) for end in doubt.ends]
         for doubt in doubts
-        if check.utilisation * max(_grown(runs, end) for end in doubt.ends) > _FAR
+        if check.utilisation > _FAR or not doubt.speed
     }
     return with_doubts(check, ends).explained_by(linkage_share(design, mode, check))
-
-
-def _grown(runs: Runs, end: Runs) -> float:
-    """Largest force of a joint at an end of a doubt over that without it; 1 at the least."""
-    own, there = (_largest_forces(one) for one in (runs, end))
-    least = _LITTLE * max(own.values(), default=0.0)
-    more = [size / max(own.get(name, 0.0), least) for name, size in there.items() if size > least]
-    return max([1.0, *more])
-
-
-def _largest_forces(runs: Runs) -> dict[str, float]:
-    """Largest force of each joint over all cycles, N."""
-    found: dict[str, float] = {}
-    for run in runs.values():
-        for name, load in run.reactions.items() if isinstance(run, loads.CycleLoads) else ():
-            size = float(np.hypot(*load.force.T).max())
-            found[name] = max(found.get(name, 0.0), size)
-    return found
 
 
 def _of_cylinders(design: Design, runs: Runs, doubts: Sequence[Doubt]) -> list[Check]:

@@ -145,10 +145,20 @@ hole = "12 mm"
 """
 
 
-def test_buckling_of_a_linkage_that_is_hardly_used_has_what_a_stop_may_multiply(tmp_path):
-    """5 kN at the stop, 9.9 times as much 8.9 mm behind: 0.039 of the load becomes 0.384."""
+PULLED_BEFORE = (
+    'cycles.press.phases[0].forces.pad.at=["0 mm", "95 mm", "99 mm", "109 mm"]',
+    'cycles.press.phases[0].forces.pad.force=["-60 kN", "-60 kN", "0 N", "50 kN"]',
+)
+
+
+@pytest.mark.parametrize("given", [(), PULLED_BEFORE])
+def test_buckling_of_a_linkage_that_is_hardly_used_has_what_a_stop_may_multiply(tmp_path, given):
+    """5 kN at the stop, 9.9 times as much 8.9 mm behind: 0.039 of the load becomes 0.384.
+
+    A pull on the way there that is more than both hides nothing.
+    """
     (tmp_path / "sliders.toml").write_text(PUSHED, encoding="utf-8")
-    result = check_design(read_design(tmp_path / "sliders.toml"), effort=Effort("formula"))
+    result = check_design(read_design(tmp_path / "sliders.toml", given), effort=Effort("formula"))
     (linkage,) = result.linkage
     assert linkage.utilisation < 0.2
     assert linkage.loads == pytest.approx(8.9 * linkage.value, rel=0.01)
