@@ -72,8 +72,8 @@ def told_of_widths(
 def with_plays(parts: Mapping[str, Part]) -> dict[str, Part]:
     """The parts with the clearance that a pin's diameter leaves in a hole, where no fit is stated.
 
-    Up to that of the default fit arcs of contact are assumed; a looser pin presses on less. A part
-    whose arc is stated keeps it.
+    Arcs of contact are assumed up to the default fit's clearance; a looser pin presses on less.
+    A part whose arc is stated keeps it.
     """
     found = dict(parts)
     for pin in parts.values():
