@@ -283,10 +283,12 @@ def _of_linkage(
 ) -> Check:
     mode = mode.under(design.load_factor)
     check = linkage_check(design, mode)
-    if check.utilisation > _FAR:
-        ends = {d.words: [_linkage_share(design, end, motions) for end in d.ends] for d in doubts}
-        check = with_doubts(check, ends)
-    return check.explained_by(linkage_share(design, mode, check))
+    ends = {
+        doubt.words: [_linkage_share(design, end, motions) for end in doubt.ends]
+        for doubt in doubts
+        if check.utilisation > _FAR or not doubt.speed
+    }
+    return with_doubts(check, ends).explained_by(linkage_share(design, mode, check))
 
 
 def _of_cylinders(design: Design, runs: Runs, doubts: Sequence[Doubt]) -> list[Check]:

@@ -26,7 +26,7 @@ from checks.design.model import (
     StepPartEntry,
     WeldEntry,
 )
-from checks.design.stacks import check_stacks
+from checks.design.stacks import check_stacks, with_plays, with_widths
 from checks.design.strength import FkmStrength, fkm_of
 from checks.handbook.fits import clearances_of
 from checks.handbook.weld_details import HIGHEST, STANDARD, category_of
@@ -245,8 +245,9 @@ def parts_of(
         _check_edges(key, entry, geometry, problems)
         made = _part(name, entry, file, geometry, material, rollers, fkm, clearances)
         parts[name] = dataclasses.replace(made, welds=welds, bushes=bushes)
+    parts = with_widths(parts)
     check_stacks(parts, file.parts, problems)
-    return with_press_fits(parts, problems)
+    return with_press_fits(with_plays(parts), problems)
 
 
 def _rollers(

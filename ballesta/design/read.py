@@ -43,6 +43,7 @@ from ballesta.design.plate_parts import told_of_steps
 from checks.design.data import Cycle, Design, Part, StatedMass
 from checks.design.errors import Problems, listed, nearest, no_such
 from checks.design.model import PART_MODELS, DesignFile
+from checks.design.stacks import told_of_widths
 from checks.design.strength import strength_defaults
 from checks.design.tables import TAGS
 from checks.design.units import DIMENSIONS, Quantity, Vector
@@ -187,6 +188,7 @@ def _assembled(
             *_assumed_stops(model),
             *(reason for run in measured.values() for reason in run.assumed),
             *told_of_steps(parts),
+            *told_of_widths(parts, model.parts),
         ),
         events=events,
         cylinders=cylinders,

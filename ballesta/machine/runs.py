@@ -281,12 +281,8 @@ def doubts_of(design: Design, machine: MachineRuns) -> MachineDoubts:
     rubbing, unsolved = friction_pairs(design, machine.rigid)
     hitting, without_fit = play_pairs(design, machine.rigid)
     stopping, beyond = stop_doubts(design, machine.rigid)
-    pairs = [
-        *speed_doubts(design, machine.rigid, evenness),
-        *stopping,
-        *rubbing,
-        *hitting,
-    ]
+    speeds = speed_doubts(design, machine.rigid, evenness)
+    pairs = [*speeds, *stopping, *rubbing, *hitting]
 
     ends: list[Transients] = []
 
@@ -294,7 +290,10 @@ def doubts_of(design: Design, machine: MachineRuns) -> MachineDoubts:
         ends.append(transients_of(design, end, machine.vibration, pick))
         return {**ends[-1].cycles, **machine.measured}
 
-    doubts = [Doubt(pair.words, tuple(map(runs, pair.ends))) for pair in pairs]
+    doubts = [
+        Doubt(pair.words, tuple(map(runs, pair.ends)), speed=k < len(speeds))
+        for k, pair in enumerate(pairs)
+    ]
     if any(one.swung for one in machine.blows.values()):
         words = "natural frequencies in the swing by blows, lowest or highest over the cycle"
         doubts.append(Doubt(words, tuple(runs(machine.rigid, one) for one in SWING_ENDS)))
@@ -355,7 +354,7 @@ def stop_doubts(design: Design, solved: Solved) -> tuple[list[LoadPair], list[Ga
             words = f"{first}: {END_OF_TRAVEL} {size:.3g} {unit}"
             pairs.append(LoadPair(words, (low, high), dead_centre_gate(first) if near else ""))
         elif not near:
-            said = "it reaches a dead centre, or where the linkage cannot go"
+            said = "it reaches a dead centre, where the linkage cannot go, or a force is not given"
             gates.append(_unknown_end(first, said, "or end the travel before"))
     return pairs, gates
 

@@ -164,7 +164,9 @@ class StackEntry(Table):
     single: bool = Field(
         False, description="one lug at `at`, which may then be below 0; no second one at -`at`"
     )
-    width: PositiveLength = Field(description="width of the lug on the pin")
+    width: PositiveLength = Field(
+        description="width of the lug on the pin, up to the length of the part's hole"
+    )
     diameter: PositiveLength | None = Field(None, description="the pin's in this lug, if stepped")
     bush: Bush | None = None
 

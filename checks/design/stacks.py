@@ -2,10 +2,13 @@
 
 import math
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 from checks.design.data import Part
 from checks.design.errors import Problems
+from checks.handbook.fits import DEFAULT, clearances_of
 from geometry.parameters import within
 from geometry.parts.pin import as_pin
 
@@ -28,6 +31,73 @@ def check_stacks(parts: Mapping[str, Part], stated: Mapping[str, Any], problems:
                 _check_fit(pin, part, interface, problems)
                 if interface in stated[part.name].offsets:
                     _check_offset(pin, part, interface, problems)
+
+
+def with_widths(parts: Mapping[str, Part]) -> dict[str, Part]:
+    """The parts with pins that bear no longer in a lug than the part there has a hole."""
+    found = dict(parts)
+    for pin in parts.values():
+        shape = as_pin(pin.geometry)
+        if pin.joint is None or shape is None:
+            continue
+        lengths = {
+            part.body: face.length
+            for part, interface in _carried(pin, parts)
+            for face in part.geometry.placed_interfaces
+            if face.name == interface and face.kind == "bore"
+        }
+        stack = tuple(
+            lug
+            if within(lug.width, lengths.get(lug.body, math.inf))
+            else lug.model_copy(update={"width": lengths[lug.body]})
+            for lug in pin.stack
+        )
+        widths = {lug.name: lug.width for lug in stack}
+        seats = tuple(replace(seat, width=widths[seat.name]) for seat in shape.seats)
+        found[pin.name] = replace(pin, stack=stack, geometry=replace(shape, seats=seats))
+    return found
+
+
+def told_of_widths(
+    parts: Mapping[str, Part], stated: Mapping[str, Any]
+) -> Iterator[tuple[str, str]]:
+    """Keys of the lugs that are stated wider than their parts' holes are long, and what counts."""
+    for name, part in parts.items():
+        for k, lug in enumerate(part.stack):
+            if lug.width != stated[name].stack[k].width:
+                said = f"the hole of {lug.body} is {lug.width:g} mm long, which counts"
+                yield f"parts.{name}.stack[{k}].width", said
+
+
+def with_plays(parts: Mapping[str, Part]) -> dict[str, Part]:
+    """The parts with the clearance that a pin's diameter leaves in a hole, where no fit is stated.
+
+    Arcs of contact are assumed up to the default fit's clearance; a looser pin presses on less.
+    A part whose arc is stated keeps it.
+    """
+    found = dict(parts)
+    for pin in parts.values():
+        for part, interface in _carried(pin, parts) if pin.joint is not None else ():
+            neck, hole = _bare_seat(pin, part, interface)
+            if hole is None or part.arc_stated or interface in part.clearances:
+                continue
+            assumed = 0.0
+            with suppress(ValueError):  # larger than the standard's table
+                assumed = clearances_of(DEFAULT, hole)[1]
+            play = hole - neck
+            if play > assumed + _ROUND_OFF * hole:
+                known = found[part.name]
+                clearances = {**known.clearances, interface: (play, play)}
+                found[part.name] = replace(known, clearances=clearances)
+    return found
+
+
+def _bare_seat(pin: Part, part: Part, interface: str) -> tuple[float, float | None]:
+    """Diameter of a pin in a part, mm, and of the hole it bears in; None with a bush between."""
+    shape, lug = as_pin(pin.geometry), next(one for one in pin.stack if one.body == part.body)
+    assert shape is not None
+    hole = part.geometry.stated_bore(interface) if lug.bush is None else None
+    return shape.diameter if lug.diameter is None else lug.diameter, hole
 
 
 def _carried(pin: Part, parts: Mapping[str, Part]) -> Iterator[tuple[Part, str]]:

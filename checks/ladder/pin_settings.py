@@ -117,7 +117,7 @@ def _beside(known: Mapping[float, float]) -> set[float]:
     ordered = sorted(known.items())
     found = set()
     for (a, before), (b, value), (c, after) in zip(ordered, ordered[1:], ordered[2:], strict=False):
-        if abs(np.interp(b, (a, c), (before, after)) / value - 1) > _SMOOTH:
+        if abs(np.interp(b, (a, c), (before, after)) - value) > _SMOOTH * abs(value):
             found |= {(a + b) / 2, (b + c) / 2}
     return found
 

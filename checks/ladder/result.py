@@ -8,7 +8,7 @@ from time import perf_counter
 import numpy as np
 
 from checks import by_formula
-from checks.columns.stability import ELASTIC
+from checks.columns.stability import ELASTIC, axial_compression
 from checks.design.effort import FORMULA, SOLID
 from checks.ladder.chart_data import charts_of
 from checks.ladder.climb import Climb, answered
@@ -20,6 +20,7 @@ from checks.ladder.passing_fits import by_run_in_edges, edges_that_pass
 from checks.ladder.section_fields import section_fields
 from checks.ladder.solid import RESCALED, check_solid
 from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC, Estimate
+from checks.part.part_loads import PartLoads
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import (
     NOT_MESHED,
@@ -33,12 +34,14 @@ from checks.result.verdict import (
 )
 from checks.result.ways import mesh_that_settles
 from checks.strength.fatigue_facts import fatigue_facts
-from checks.strength.load_doubts import load_bars
+from checks.strength.load_doubts import LoadBars, load_bars
 from checks.strength.part_strength import endurance_of
 from checks.stress.solid_mesh_level import Models
 from checks.stress.stress_result import RungLevel
 from fem.recovery import LARGEST_RATIO, MEANING
 from geometry.cad_body import Skin
+
+_HARDLY = 1e-3  # of the largest force: less compression is none
 
 
 def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartResult:
@@ -185,14 +188,29 @@ def solid_result(
 
 
 def _buckling_doubted(climb: Climb, check: Check) -> Check:
-    """A solid's buckling check with its load bars, which are those of the forces on the part.
+    """A solid's buckling check with its load bars: of the formula, the forces and the compression.
 
-    Under loads of one pattern it goes with them; an eigenvalue at the ends of each doubt would cost
-    as much as the solid.
+    Under loads of one pattern it goes with them all; an eigenvalue at the ends of each doubt would
+    cost as much as the solid. A pull may be the largest force, and stay as it is.
     """
     if check.kind != BUCKLING or not check.method.startswith(SOLID):
         return check
-    return load_bars(climb.loads, lambda some: {BUCKLING: some.largest_force})(check)
+
+    least = _HARDLY * climb.loads.largest_force
+
+    def pushed(some: PartLoads) -> dict[str, float]:
+        return {BUCKLING: max(least, float(axial_compression(climb.part, some).max()))}
+
+    bars = [
+        load_bars(climb.loads, lambda some: {BUCKLING: some.largest_force}),
+        load_bars(climb.loads, pushed),
+        *([climb.doubts] if climb.doubts else []),
+    ]
+    shares: dict[str, list[float]] = {}
+    for one in bars:
+        for words, ends in one.shares.get(BUCKLING, {}).items():
+            shares.setdefault(words, []).extend(ends)
+    return LoadBars({BUCKLING: shares})(check)
 
 
 def _by_verdict(

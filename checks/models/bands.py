@@ -31,13 +31,14 @@ import numpy as np
 from checks.design.data import Part
 from checks.models.in_bores import InBores
 from checks.models.shapes import shape_model
-from checks.part.part_loads import PartLoads
+from checks.part.part_loads import TIE, PartLoads
 from checks.result.derivation import Given, Item, Step
 from geometry.shape import Shape
 
 ARC = "arc of contact, deg"
 SHARE = "share of the largest force: "
 PULLED = SHARE + "pulled"
+ACROSS, TURNED = SHARE + "across", SHARE + "couple over its size"
 # Proportions up to which no wall buckles by itself below yield under what bends a pulled part or
 # what a pin presses: docs/theory/buckling.md.
 _STOCKY = {
@@ -49,9 +50,10 @@ _STOCKY = {
 _COUPLE = 1e-6  # of force times size: couples out of the plane that are more than round-off
 
 _BEYOND = 0.1  # of the range that was compared: how far a part's proportions may be outside it
-_BUCKLING = "buckling"
+_BUCKLING, _FATIGUE = "buckling", "fatigue"
 _LENGTH = "length / "
 _OTHER_SHARE = 0.1  # how far a share of the largest force may be outside the range compared
+_FRICTION = 0.3  # of a pin: couples up to it are like none, where no solid had any
 
 
 _PAGE = "docs/theory/rungs.md"
@@ -263,6 +265,32 @@ def _beyond(
     return found
 
 
+def turned_otherwise(family: str, rung: str, kind: str, part: Part, loads: PartLoads) -> str:
+    """Say that couples turn a part in its bores more than friction does, "" where they do not.
+
+    Of fatigue couples and forces count as they swing in a cycle: a steady push hides neither. Where
+    solids with couples were compared, they are among the shares of the largest force.
+    """
+    compared = _data()[family][rung][kind]["scales"].get(TURNED)
+    faces = part.geometry.placed_interfaces
+    radius = max((face.radius for face in faces if face.kind == "bore"), default=0.0)
+    if part.body is None or not radius or compared is None or compared[1]:
+        return ""
+    runs = list(loads.cycles.values()) if kind == _FATIGUE else [slice(None)]
+    wrenches = [wrench[run] for wrench in loads.wrenches.values() for run in runs]
+    if kind == _FATIGUE:
+        wrenches = [np.ptp(wrench, axis=0)[None] for wrench in wrenches]
+    force = max(float(np.hypot(one[:, 0], one[:, 1]).max()) for one in wrenches)
+    couple = max(float(np.abs(one[:, 5]).max()) for one in wrenches)
+    if couple <= _FRICTION * radius * force + TIE * part.geometry.length * loads.largest_force:
+        return ""
+    how = "couples swing by" if kind == _FATIGUE else "there are couples of"
+    return (
+        f"{how} up to {couple:.3g} N mm in bores beside forces of {force:.3g} N, more than "
+        f"friction of {_FRICTION:g} makes; solids were compared without"
+    )
+
+
 def _measured(
     grown: Mapping[str, Any], scales: Mapping[str, float], beyond: Mapping[str, float]
 ) -> bool:
@@ -396,6 +424,6 @@ def _of_loads(part: Part, loads: PartLoads) -> dict[str, float]:
         return along
     return {
         **along,
-        SHARE + "across": across / largest,
-        SHARE + "couple over its size": turned / (largest * part.geometry.length),
+        ACROSS: across / largest,
+        TURNED: turned / (largest * part.geometry.length),
     }

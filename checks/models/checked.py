@@ -30,6 +30,7 @@ from checks.models.bands import (
     proportions_known,
     proportions_of,
     thin_wall,
+    turned_otherwise,
     unknown_load,
     walls_known,
 )
@@ -304,7 +305,11 @@ def band_around(part: Part, loads: PartLoads, model: RungModel, check: Check) ->
     proportions = proportions_of(part, loads)
     if check.kind == BUCKLING and model.buckling is not None and model.buckling.pulled:
         return _of_pulled(part, model, check, proportions)
-    band = band_of(family_of(part, loads, check.kind), FORMULA, check.kind, proportions)
+    family = family_of(part, loads, check.kind)
+    band = band_of(family, FORMULA, check.kind, proportions)
+    if check.kind != BUCKLING and isinstance(band, Band):
+        turned = turned_otherwise(family, FORMULA, check.kind, part, loads)
+        return NoBand(turned) if turned else band
     if check.kind == BUCKLING and isinstance(band, NoBand):
         return _of_far(part, model, check, proportions, band)
     if check.kind == BUCKLING and isinstance(band, Band):

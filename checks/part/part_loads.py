@@ -87,10 +87,12 @@ class Doubt:
 
     words  the doubt, for a reader
     ends   all runs of the design, at the same positions, at each end of the doubt
+    speed  True for one about the drive's speed, which multiplies no load by more than 2
     """
 
     words: str
     ends: tuple[Runs, ...]
+    speed: bool = False
 
 
 @dataclass(frozen=True, eq=False)

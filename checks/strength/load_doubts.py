@@ -10,9 +10,10 @@ from math import inf, isfinite
 
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check
-from checks.result.words import DOUBTED
+from checks.result.words import DOUBTED, UNKNOWN_BAR
 
 _ROUND_OFF = 1e-9  # of a value
+_NOTHING = 1e-6  # MPa or N
 
 
 def with_doubts(check: Check, ends: Mapping[str, Sequence[float]]) -> Check:
@@ -96,8 +97,13 @@ class LoadBars:
     shares: Mapping[str, Mapping[str, Sequence[float]]]
 
     def __call__(self, check: Check) -> Check:
-        """Return a check with its load bars."""
+        """Return a check with its load bars, without end where it has no value to widen."""
         shares = self.shares.get(check.kind, {})
+        only = [words for words, own in shares.items() if inf in own]
+        if not check.value and only:
+            said = f"{UNKNOWN_BAR}the part is loaded only at the ends of: {', '.join(only)}"
+            note = "; ".join(text for text in (check.note, said) if text)
+            return replace(check, model=inf, note=note).explained_by(check.derivation)
         if not check.value or not (isfinite(check.model) or isfinite(check.below)):
             return check
         return with_doubts(check, {w: [s * check.value for s in own] for w, own in shares.items()})
@@ -117,6 +123,6 @@ def load_bars(loads: PartLoads, values_of: Callable[[PartLoads], Mapping[str, fl
             other = values_of(end)
             for kind, value in own.items():
                 here = other.get(kind, 0.0)
-                share = here / value if value else (inf if here else 1.0)
+                share = here / value if value else (inf if here > _NOTHING else 1.0)
                 shares[kind].setdefault(doubt.words, []).append(share)
     return LoadBars(shares)

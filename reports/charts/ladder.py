@@ -230,7 +230,7 @@ def _draw_meshes(
     ends = [v - b for v, b in zip(values, finite, strict=True)]
     ends += [v + b for v, b in zip(values, finite, strict=True)]
     least, most = min(ends), max(ends)
-    room = max(0.18 * (most - least), _ROOM * most)
+    room = max(0.18 * (most - least), _ROOM * most) or 1.0  # of a part without load
     first, last = min(unknowns) / 1.35, max(unknowns) * 1.8
     plane = Plane(figure, (first, last), (least - room, most + 1.4 * room), logarithmic="x")
     halves = [_half(entry) for entry in entries]

@@ -229,6 +229,32 @@ def test_where_a_fit_is_loose_formulas_do_not_decide_stress(tmp_path, kind):
     assert "on a solid only" in band.why
 
 
+PIN_A = """
+[parts.pin_A]
+joint = "A"
+shape = "pin"
+fixed_to = "crank"
+material = "S275"
+diameter = "{} mm"
+stack = [
+  {{ body = "rod", at = "0 mm", width = "6 mm"{} }},
+  {{ body = "crank", at = "8 mm", width = "8 mm" }},
+]
+"""
+BUSH = ', bush = { length = "6 mm", allowable = "20 MPa" }'
+
+
+def test_a_pin_thinner_than_its_hole_is_as_loose_as_both_say(tmp_path):
+    """7.5 in 8 mm: no arc is assumed. H7/f7 leaves at most 0.043 mm there, which 7.96 mm is in."""
+    stated = rod(tmp_path, 'fits = { first = "0.5 .. 0.5 mm" }').part
+    found = rod(tmp_path, PIN_A.format(7.5, ""))
+    assert found.part.clearances == stated.clearances == {"first": (0.5, 0.5)}
+    assert isinstance(by_formula(found, "static")[1], NoBand)
+    for pin in (PIN_A.format(7.96, ""), PIN_A.format(7.5, BUSH)):
+        assert rod(tmp_path, pin).part.clearances == {}
+    assert rod(tmp_path, 'bearing_arc = "90 deg"' + PIN_A.format(7.5, "")).part.clearances == {}
+
+
 def open_force(folder, stated=""):
     """A force at which the arcs' band holds the fatigue limit."""
     loaded = rod(folder, stated)

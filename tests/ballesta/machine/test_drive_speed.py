@@ -1,6 +1,8 @@
 """The drive's speed: how it is stated, and the bars of the loads where it is not even."""
 
+from dataclasses import replace
 from math import inf
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,13 +14,15 @@ from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.design.errors import DesignError
 from checks.ladder.climb import start_climb
+from checks.ladder.result import _buckling_doubted
 from checks.part.loaded_part import LoadedPart
-from checks.part.part_loads import Doubt, loads_on
+from checks.part.part_loads import Doubt, PartDoubt, loads_on
+from checks.result.verdict import Status
 from checks.strength.load_doubts import LoadBars, load_bars
 
 from ...misses import misses
 from ...reports.results import check as result_check
-from ...small_machine import machine, solved
+from ...small_machine import loads_of, machine, solved
 
 ROD = """
 [parts.rod]
@@ -194,6 +198,32 @@ def test_load_bars_stand_in_the_derivations(checked):
     for check in found:
         assert misses(check.derivation, check) == ""
         assert check.derivation.number("e_load") == pytest.approx(check.loads)
+
+
+def test_a_solids_buckling_goes_with_its_compression_where_a_pull_is_the_largest_force(tmp_path):
+    """The push of 10 N may be 30; the pull of 100 N stays."""
+    design = machine(tmp_path, ROD)
+
+    def pulled_and_pushed_by(push):
+        along = [[-100.0, 0.0, 0.0], [push, 0.0, 0.0]]
+        return loads_of({"first": along, "second": [[-x, 0.0, 0.0] for x, *_ in along]})
+
+    own = pulled_and_pushed_by(10.0)
+    doubts = (PartDoubt("stop", (own, pulled_and_pushed_by(30.0))),)
+    climb = start_climb(LoadedPart(design, design.parts["rod"], replace(own, doubts=doubts)))
+    check = result_check(kind="buckling", value=0.1, method="solid (one mesh)")
+    assert _buckling_doubted(climb, check).loads == pytest.approx(0.2)
+
+
+def test_a_check_of_a_part_that_only_the_end_of_a_doubt_loads_is_open():
+    """Nothing to widen in proportion, and no pass either; round-off is no load."""
+    parts = [SimpleNamespace(doubts=()), *(SimpleNamespace(value=v) for v in (300.0, 1e-12))]
+    parts[0].doubts = tuple(SimpleNamespace(words=f"{x.value}", ends=[x]) for x in parts[1:])
+    bars = load_bars(parts[0], lambda some: {"static": getattr(some, "value", 0.0)})
+    check = bars(result_check(value=0.0))
+    assert check.status is Status.UNDECIDED
+    assert check.model == inf
+    assert check.note.endswith("the part is loaded only at the ends of: 300.0")
 
 
 def test_a_check_without_a_model_band_above_still_has_what_loads_may_lack_below():

@@ -11,6 +11,7 @@ from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.machine.validity_checks import load_gates
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
+from checks.result.verdict import Status
 
 PRESS = Path(__file__).parents[3] / "designs" / "toggle_press.toml"
 BAR = (4.14134e-3, (125.0, 0.0), 21.56947917)
@@ -113,6 +114,55 @@ def test_a_mechanical_stop_whose_tolerance_reaches_it_binds():
     assert gate.binding
     assert not gate.holds
     assert "cycles.press.stop.tolerance" in gate.cure
+
+
+PUSHED = """
+name = "Two sliders"
+points = { A = "-200, 0 mm", B = "0, 0 mm" }
+bodies.left = { pins = ["A"], mass = "1 kg", guide = { along = "1, 0" } }
+bodies.rod = { pins = ["A", "B"] }
+bodies.right = { pins = ["B"], mass = "1 kg", guide = { along = "1, 0" } }
+forces.drive = { body = "left", at = "A", direction = "1, 0" }
+forces.pad = { body = "right", at = "B", direction = "-1, 0" }
+[cycles.press]
+coordinate = "B.x"
+start = "0 mm"
+pace = { coordinate = "B.x", speed = "10 mm/s" }
+stop = { basis = "mechanical", tolerance = "8.9 mm" }
+[[cycles.press.phases]]
+name = "in"
+to = "100 mm"
+solve = "drive"
+forces.pad = { over = "B.x", at = ["0 mm", "99 mm", "109 mm"], force = ["0 N", "0 N", "50 kN"] }
+[parts.rod]
+body = "rod"
+shape = "plate_link"
+interfaces = { first = "A", second = "B" }
+material = "S355"
+width = "30 mm"
+thickness = "10 mm"
+hole = "12 mm"
+"""
+
+
+PULLED_BEFORE = (
+    'cycles.press.phases[0].forces.pad.at=["0 mm", "95 mm", "99 mm", "109 mm"]',
+    'cycles.press.phases[0].forces.pad.force=["-60 kN", "-60 kN", "0 N", "50 kN"]',
+)
+
+
+@pytest.mark.parametrize("given", [(), PULLED_BEFORE])
+def test_buckling_of_a_linkage_that_is_hardly_used_has_what_a_stop_may_multiply(tmp_path, given):
+    """5 kN at the stop, 9.9 times as much 8.9 mm behind: 0.039 of the load becomes 0.384.
+
+    A pull on the way there that is more than both hides nothing.
+    """
+    (tmp_path / "sliders.toml").write_text(PUSHED, encoding="utf-8")
+    result = check_design(read_design(tmp_path / "sliders.toml", given), effort=Effort("formula"))
+    (linkage,) = result.linkage
+    assert linkage.utilisation < 0.2
+    assert linkage.loads == pytest.approx(8.9 * linkage.value, rel=0.01)
+    assert linkage.status is Status.UNDECIDED
 
 
 @pytest.mark.slow

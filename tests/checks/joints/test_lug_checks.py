@@ -61,6 +61,18 @@ def test_a_hole_bears_the_largest_force_over_diameter_and_thickness(tmp_path):
     assert found[0].required == machine(tmp_path).require.static
 
 
+def test_a_pin_bears_no_longer_in_a_lug_than_the_hole_there(tmp_path):
+    """The rod of 8 mm in a stack that says 16: as one that says 8, and told."""
+    wide = PIN.replace('at = "0 mm", width = "8 mm"', 'at = "0 mm", width = "16 mm"')
+    wide, stated = (text.replace('at = "12 mm"', 'at = "13 mm"') for text in (wide, PIN))
+    found, same = (machine(tmp_path, PLATE + text) for text in (wide, stated))
+    assert found.parts["pin_A"].geometry == same.parts["pin_A"].geometry
+    assert found.parts["pin_A"].stack == same.parts["pin_A"].stack
+    told = dict(found.assumed)
+    assert told == {"parts.pin_A.stack[1].width": "the hole of rod is 8 mm long, which counts"}
+    assert not same.assumed
+
+
 def test_a_pin_thinner_than_its_hole_bears_on_its_own_diameter(tmp_path):
     """Without a bush the pin of 10 mm presses in the hole of 12 mm; with one the bush does."""
     wrenches = {"first": [(5000, 0, 0)], "second": [(-5000, 0, 0)]}

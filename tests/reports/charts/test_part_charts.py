@@ -209,3 +209,10 @@ def test_convergence_says_which_meshes_are_half_of_the_part(halves, axis, points
     assert column(chart, "unknowns") == ["30123", "81234"]  # as in the tables, not twice
     whole = {False: "the part", True: "half of the part"}
     assert column(chart, "mesh of") == [whole[half] for half in halves]
+
+
+def test_convergence_of_a_part_without_load_is_drawn():
+    meshes = [entry | {"value": 0.0, "bar": 0.0} for entry in made.CONVERGENCE["static"]]
+    result = made.design(convergence={"static": meshes})
+    found = part_charts(result.parts[0], result).charts
+    assert {"convergence"} <= {chart.key for chart in found}
