@@ -11,7 +11,16 @@ from bench import rung_bands
 from bench.rung_bands import Compared
 from bench.rung_beyond import PULLED
 from checks.models import bands
-from checks.models.bands import ARC, SHARE, Band, NoBand, band_of, known_band, of_buckling
+from checks.models.bands import (
+    ARC,
+    SHARE,
+    Band,
+    NoBand,
+    band_of,
+    known_band,
+    of_buckling,
+    thin_wall,
+)
 from checks.models.checked import BY_STRESS, MOST_BENT, MOST_FAR, MOST_PULLED, STOUT
 
 CLOSE = bands._CLOSE
@@ -139,21 +148,23 @@ def test_buckling_depends_on_loads_over_the_largest_that_can_buckle(monkeypatch)
 
 
 def test_long_bars_beyond_the_range_lie_inside_the_band_of_those_within():
-    """Solids of up to twice the length compared, none of them part of the band."""
+    """Solids of up to 2.8 times the length compared, none of them part of the band."""
     held = []
     for line in map(json.loads, (RUNGS / "beyond.jsonl").read_text().splitlines()):
         solid, rung = line["solid"].get("buckling"), line["rungs"].get("buckling")
         if not solid or not rung or 2 * solid[1] > solid[0]:
             continue  # a solid is known to half of its value
-        if line["families"].get("buckling"):
-            band = DATA[line["families"]["buckling"]]["formula"]["buckling"]
-            stout = STOUT / BY_STRESS * line["by stress"]
-            held += [
-                band["low"] <= solid[0] / rung and solid[0] <= band["high"] * rung + stout
-                for name, value in of_buckling(line["scales"]).items()
-                if name.startswith("length / ") and value > band["scales"][name][1]
-            ]
-    assert len(held) >= 10
+        family = line["families"].get("buckling")
+        if not family or thin_wall(line["scales"]):
+            continue  # walls that buckle by themselves have no band, however long the bar
+        band = DATA[family]["formula"]["buckling"]
+        stout = STOUT / BY_STRESS * line["by stress"]
+        held += [
+            band["low"] <= solid[0] / rung and solid[0] <= band["high"] * rung + stout
+            for name, value in of_buckling(line["scales"]).items()
+            if name.startswith("length / ") and value > band["scales"][name][1]
+        ]
+    assert len(held) >= 13
     assert all(held)
 
 
@@ -209,7 +220,9 @@ def test_no_solid_has_nearly_twice_a_bar_s_share_and_what_its_stress_adds():
     left += [
         (line["solid"]["buckling"][0] - line["by stress"]) / line["rungs"]["buckling"]
         for line in map(json.loads, (RUNGS / "beyond.jsonl").read_text().splitlines())
-        if "buckling" in line["rungs"] and "buckling" in line["solid"]
+        if "buckling" in line["rungs"]
+        and "buckling" in line["solid"]
+        and not thin_wall(line["scales"])  # these are not bounded so
     ]
     assert len(left) > 170
     assert max(left) < 0.56 * MOST_FAR
