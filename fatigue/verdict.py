@@ -125,6 +125,7 @@ def ductile_verdict(
     *,
     torsion_ratio: float = DUCTILE,
     every_point: bool = True,
+    floor: float = -np.inf,
     cycle: str = "",
 ) -> Verdict:
     """Return the verdict on every point under one cycle.
@@ -133,7 +134,8 @@ def ductile_verdict(
     `goodman`; torsion_ratio is the material's limit in reversed torsion over that in bending.
     Without `every_point` Goodman too is taken only where his bound says that he can govern, and
     Findley's plane is not sought at a point that Goodman decides: the same worst point and safety,
-    bounds elsewhere.
+    bounds elsewhere. Then a utilisation not above `floor` is of no interest either: where no point
+    has more, its place and value are any.
     """
     basis, coefficients = check_history(basis, coefficients)
     criterion = findley_criterion(torsion_ratio)
@@ -156,8 +158,8 @@ def ductile_verdict(
         points = np.arange(len(basis))
         by_chord = by_goodman(points)
     else:
-        points, by_chord = _governing(goodman_bound, by_goodman)
-    worst = float(by_chord.utilisation.max())
+        points, by_chord = _governing(goodman_bound, by_goodman, floor)
+    worst = max(floor, float(by_chord.utilisation.max()))
     known = np.zeros(len(basis))
     known[points] = by_chord.utilisation
     limit = criterion.limit_ratio * endurance
@@ -219,13 +221,15 @@ def _bound_by_few(
 
 
 def _governing(
-    bound: FloatArray, by_goodman: Callable[[IntArray], FatigueResult]
+    bound: FloatArray, by_goodman: Callable[[IntArray], FatigueResult], floor: float
 ) -> tuple[IntArray, FatigueResult]:
     """Return the points among which Goodman's worst is, ascending, and his result at them.
 
-    The points with the highest bounds are judged first.
+    The points with the highest bounds are judged first; more than one only where they may exceed a
+    floor.
     """
     order = np.argsort(-bound, kind="stable")
+    order = order[: max(1, np.count_nonzero(bound > floor))]
     worst, n = -np.inf, 0
     found: list[FatigueResult] = []
     while n == 0 or (n < len(order) and bound[order[n]] > worst):

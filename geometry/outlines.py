@@ -12,7 +12,7 @@ circle, into which longer ones are cut.
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import inf, pi, tan
 from typing import Self
 
@@ -343,7 +343,7 @@ class PlateOutline:
             total = total - contour.edges.integrals()
         return Moments.of(total)
 
-    @property
+    @cached_property
     def size(self) -> float:
         """Largest size along an axis, mm."""
         low, high = self.outer.edges.box()
@@ -387,10 +387,7 @@ class PlateOutline:
         Of the two at a corner or an edge across, where the width may step, the narrower one. None
         where the point is outside of the outer contour.
         """
-        along = along / abs(along)
-        cuts = [self._cut(at, along) for at in self._beside(point, along)]
-        met = [found for found in cuts if found is not None]
-        return min(met, key=lambda found: float(np.diff(found.spans).sum()), default=None)
+        return _narrower(self, point + 0.0, along / abs(along) + 0.0)  # + 0.0: none is -0.0
 
     def _cut(self, point: complex, along: complex) -> Cut | None:
         """The section through a point, on which no corner lies."""
@@ -418,6 +415,14 @@ class PlateOutline:
             gaps += zip(cutting[0][::2].tolist(), cutting[0][1::2].tolist(), strict=True)
         walls = np.array([low, *(place for gap in sorted(gaps) for place in gap), high])
         return Cut(point, along, walls.reshape(-1, 2), Moments.of(total), boundary)
+
+
+@lru_cache(maxsize=2048)  # a plate is cut alike for its stress on every arc, and as a link
+def _narrower(outline: PlateOutline, point: complex, along: complex) -> Cut | None:
+    """The section as `PlateOutline.cut` has it, whose arrays are shared."""
+    cuts = [outline._cut(at, along) for at in outline._beside(point, along)]
+    met = [found for found in cuts if found is not None]
+    return min(met, key=lambda found: float(np.diff(found.spans).sum()), default=None)
 
 
 def _edges(rows: Iterable[tuple[complex, complex, float]]) -> Edges:

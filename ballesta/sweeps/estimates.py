@@ -8,12 +8,15 @@ import re
 from collections.abc import Mapping, Sequence
 from math import ceil, floor, inf, isfinite, log10
 
+import numpy as np
+
 import loads
 from ballesta.sweeps.screen import Screened, Screening
 from checks.design.data import Design
 from checks.design.materials import known_materials
 from checks.ladder.leaf_checks import LeafBand
 from checks.models.checked import BUCKLING
+from checks.part.part_loads import first_largest
 from checks.result.verdict import Change, Check, DesignResult, Status
 
 LINKAGE = "linkage"  # name of its checks' part
@@ -206,7 +209,9 @@ class Estimates:
 
     def told(self, key: str, was: str, value: str, parts: tuple[str, ...], one: Screened) -> Change:
         """A change with the safety and the mass that are estimated for some parts."""
-        _, safety, lower, check = min(self.reserves(one, parts), key=lambda found: found[0])
+        reserves = self.reserves(one, parts)
+        first = first_largest(np.array([-reserve for reserve, *_ in reserves]))[0]  # of twins
+        _, safety, lower, check = reserves[first]
         decided = self._known.get(_name(check), check).method
         return Change(
             key,

@@ -1,6 +1,7 @@
 """Points round a bore and on the outline of its lug, by the bore's wrench and a bush in it."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,7 +18,8 @@ from checks.models.formula_points import (
     pressed_unit,
 )
 from checks.part.part_loads import PartLoads
-from fem.unit_loads import bearing_coefficients, harmonics_of
+from checks.stress.stress_result import RungModel
+from fem.unit_loads import IN_PLANE, bearing_coefficients, harmonics_of
 from geometry.mesh import FloatArray
 
 ANGLES = np.radians(np.arange(0.0, 360.0, 10.0))
@@ -42,7 +44,7 @@ def bore_columns(
     Returns their numbers, and which of the patterns each is of. The bush presses more where the
     loads close the bore.
     """
-    wrench = loads.wrenches[name][:, [0, 1, 5]]
+    wrench = loads.wrenches[name][:, IN_PLANE]
     names = patterns_of(harmonics_of(loads.arc))
     pressure = bearing_coefficients(wrench, inward=False, arc=loads.arc)
     columns = points.columns(pressure.T, bearing_units(name, names))
@@ -64,6 +66,22 @@ def bore_columns(
         opened = opened + hoop @ points.coefficients(past) / material.youngs_modulus
     force = per_pressure * fit.pressures(lug, opened, own[even] / per_pressure)
     return [*columns, points.column(force, pressed_unit(name))], [*patterns, even]
+
+
+def on_arc(model: RungModel, loads: PartLoads, arc: float) -> RungModel:
+    """A model of pins on a narrower arc than the half circle, with pins that press on another such.
+
+    Their patterns are the same, with other coefficients. Without bushes that are pressed in.
+    """
+    waves = patterns_of(harmonics_of(arc))[:-1]  # the last is the couple
+    rows: dict[str, FloatArray] = {}
+    for bore, wrench in loads.wrenches.items():
+        pressure = bearing_coefficients(wrench[:, IN_PLANE], inward=False, arc=arc).T[:-1]
+        names = (name for name, _ in bearing_units(bore, waves))
+        rows |= dict(zip(names, pressure, strict=True))
+    before = zip(model.units, model.history.coefficients, strict=True)
+    now = np.stack([rows.get(name, row) for (name, _), row in before])
+    return replace(model, history=replace(model.history, coefficients=now))
 
 
 def _means(plane: FloatArray, angles: FloatArray) -> FloatArray:

@@ -10,9 +10,10 @@ compared with solids on the arcs alone, evenly pressed along: they have neither.
 """
 
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import repeat
 from math import pi
 from weakref import WeakKeyDictionary
 
@@ -20,6 +21,7 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
+from checks.models.formula_lugs import on_arc
 from checks.models.formula_points import PRESSED_IN
 from checks.models.shapes import shape_model
 from checks.part.loaded_part import LoadedPart
@@ -82,10 +84,18 @@ class Arcs:
     def models(self) -> dict[float, RungModel]:
         """Arc, rad -> the model with pins that press on it."""
         if self.level.model not in _on_arcs:  # of another material they are the same
-            loads = self.loaded.loads
-            found = {arc: self._again(replace(loads, arc=arc)) for arc in arcs_of(self.loaded.part)}
-            _on_arcs[self.level.model] = {a: one for a, one in found.items() if one is not None}
+            _on_arcs[self.level.model] = self._built()
         return _on_arcs[self.level.model]
+
+    def _built(self) -> dict[float, RungModel]:
+        loads, found = self.loaded.loads, dict[float, RungModel]()
+        for arc in arcs_of(self.loaded.part):
+            # how hard a bush presses depends on the arc, too
+            known = None if loads.press_fits else next(iter(found.values()), None)
+            model = on_arc(known, loads, arc) if known else self._again(replace(loads, arc=arc))
+            if model is not None:
+                found[arc] = model
+        return found
 
     @cached_property
     def points(self) -> IntArray:
@@ -105,47 +115,89 @@ class Arcs:
         return np.setdiff1d(np.flatnonzero(reached), self.points)
 
 
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """Points of a rung's model, under more of the forces in the linkage's plane.
+
+    As in a solid (checks/stress/error_bars.py), the stress of couples out of the plane and of
+    bushes that are pressed in stays.
+
+    model   of the level or of another arc
+    uneven  bore -> how much more its bent pin presses; with such, the points are on rims
+    more    times the forces in all bores
+    """
+
+    model: RungModel
+    points: IntArray
+    uneven: Mapping[str, Uneven] = field(default_factory=dict)
+    more: float = 1.0
+
+    @property
+    def times(self) -> float:
+        """The most that any force is raised by."""
+        return self.more * max((one.most for one in self.uneven.values()), default=1.0)
+
+    @property
+    def places(self) -> list[str]:
+        """Names of the places at the points."""
+        return [self.model.places[point] for point in self.points]
+
+    @property
+    def basis(self) -> FloatArray:
+        """Stress (n, 6, n_basis) of the model's unit loads, raised, MPa per unit."""
+        basis = self.model.history.basis[self.points]
+        if not self.uneven and self.more == 1.0:
+            return basis
+        factors: FloatArray = np.full((len(basis), basis.shape[2]), self.more)
+        for bore, one in self.uneven.items():
+            pressed = [name.startswith(f"{bore} ") for name, _ in self.model.units]
+            here = [place == bore for place in self.places]
+            factors[np.ix_(here, pressed)] *= one.most
+        factors[:, _across(self.model)] = 1.0
+        return basis * factors[:, None, :]
+
+
 def in_bores(arcs: Arcs, use: FatigueUse | None, value: float) -> InBores:
     """Return how narrower arcs and uneven pressure move a check.
 
     use    how fatigue is judged; None for von Mises stress
     value  MPa, of the check, on the half circle
     """
-    loaded, level = arcs.loaded, arcs.level
-    part, points = loaded.part, arcs.points
+    loaded, level, points = arcs.loaded, arcs.level, arcs.points
+    part = loaded.part
     if part.body is None or loaded.loads.is_nothing or not len(points):
         return InBores(least=value)
     every = loaded.uneven
     counts = that_count(part, every, static=use is None)
     more = 1.0 if part.arc_stated else 1.0 + BEYOND_ARCS
     elsewhere, on_half = _on_half_circle(level, use, value, points)
-    by_arc = {pi: value}
-    own, beside = {pi: on_half}, dict[float, float]()
-    for arc, model in arcs.models.items():
-        own[arc], beside[arc] = (
-            _largest(loaded, level, model, use, some, {}, 1.0) for some in (points, arcs.beside)
-        )
-        by_arc[arc] = max(own[arc], beside[arc], elsewhere)
-        if use is not None:
-            more_beside = _largest(loaded, level, model, use, arcs.beside, {}, 1.0, every=True)
-            beside[arc] = max(beside[arc], more_beside)
+    models = list(arcs.models.values())
+    inside, beside = ([_Asked(model, some) for model in models] for some in (points, arcs.beside))
+    found = _largest(level, use, [*inside, *beside])
+    own, others = found[: len(models)], found[len(models) :]
+    narrow = [max(values) for values in zip(own, others, repeat(elsewhere))]
+    by_arc = {pi: value} | dict(zip(arcs.models, narrow, strict=True))
+    plain = not _across(level.model).any()
 
-    def raised(arc: float, uneven: Mapping[str, Uneven]) -> float:
-        model = arcs.models.get(arc, level.model)
-        same = use is None or model is level.model
-        if same and not uneven and not _across(model).any():
-            return more * own[arc]  # all of the stress is in proportion to what is raised
-        found = _largest(loaded, level, model, use, points, uneven, more)
-        if same:
-            return found
+    def on_half_circle(uneven: Mapping[str, Uneven]) -> float:
+        if plain and not uneven:
+            return more * on_half  # all of the stress is in proportion to what is raised
+        raised = [_Asked(level.model, points, uneven, more)]
+        return _any_two(level, use, raised) if use else max(_largest(level, use, raised))
+
+    def on_arcs(uneven: Mapping[str, Uneven], besides: Sequence[_Asked], reached: float) -> float:
+        if use is None and plain and not uneven:
+            return max([reached, *(more * one for one in own)])
+        raised = [_Asked(model, points, uneven, more) for model in models]
+        reached = max([reached, *_largest(level, use, raised)])
+        if use is None:
+            return reached
         # in the bores another two positions may govern than in the part
-        return max(found, _largest(loaded, level, model, use, points, uneven, more, every=True))
+        return max(reached, _any_two(level, use, [*raised, *besides], reached))
 
-    half = raised(pi, counts) if counts or not part.arc_stated else 0.0
-    most = max([half, *(raised(arc, counts) for arc in arcs.models), *beside.values()])
-    evened = 0.0
-    if len(counts) < len(every):
-        evened = max(raised(arc, every) for arc in own)
+    half = on_half_circle(counts) if counts or not part.arc_stated else 0.0
+    most = on_arcs(counts, beside, max([half, *others]))
+    evened = on_arcs(every, (), on_half_circle(every)) if len(counts) < len(every) else 0.0
     known = by_arc if len(by_arc) > 1 else None
     return InBores(half, most, min(by_arc.values()), known, evened)
 
@@ -157,7 +209,7 @@ def _on_half_circle(
     history, others = level.history, np.setdiff1d(np.arange(len(level.history.points)), points)
     if use is None:
         inside = level.peak.point in points
-        other = _peak(level, history, others if inside else points)
+        other = _peak(level, _Asked(level.model, others if inside else points))
         return (other, value) if inside else (value, other)
     known, used = level.judged_duty.known, level.judged_duty.bound[points]
     elsewhere = value * float(known[others].max(initial=0.0) / known.max())
@@ -167,81 +219,56 @@ def _on_half_circle(
     return elsewhere, use.anew(level, near, history.basis[near], history.coefficients)
 
 
-def _peak(
-    level: RungLevel,
-    history: StressHistory,
-    points: IntArray,
-    basis: FloatArray | None = None,
-    times: float = 1.0,
-) -> float:
-    """The largest von Mises stress at some points, of some basis, where positions strain most.
-
-    times  how much more than on the half circle that basis may have, arcs apart
-    """
-    if not len(points):
-        return 0.0
-    peaks = level.peaks_by_position
-    states = history.coefficients[:, peaks >= _HIGH / times * peaks.max()]
-    own = history.basis[points] if basis is None else basis
-    found = StressHistory(history.nodes[points], history.points[points], own, states)
-    return float(found.peaks_by_point().max())
-
-
 def _across(model: RungModel) -> BoolArray:
     """Which columns of a model no pin raises."""
     return np.array([any(word in name for word in _ACROSS) for name, _ in model.units])
 
 
-def _largest(
-    loaded: LoadedPart,
-    level: RungLevel,
-    model: RungModel,
-    use: FatigueUse | None,
-    points: IntArray,
-    uneven: Mapping[str, Uneven],
-    more: float,
-    *,
-    every: bool = False,
-) -> float:
-    """The largest stress in bores, MPa, under more of the forces in the plane.
-
-    Fatigue on other arcs is between the two positions that govern on the half circle, as of solids,
-    or between any two.
-
-    As in a solid (checks/stress/error_bars.py), the stress of couples out of the plane and of
-    bushes that are pressed in stays.
-
-    model   the rung's, of the level or of another arc
-    points  of the bores
-    uneven  bore -> how much more its bent pin presses
-    more    times the forces in all bores
-    every   True for fatigue between any two positions
-    """
-    if not len(points):
-        return 0.0
-    units, history = [name for name, _ in model.units], model.history
-    places = np.array(model.places)[points]
-    times = more * max((one.most for one in uneven.values()), default=1.0)
-    every = every or model is level.model
-    if use is not None and every:
-        used = level.judged_duty.bound[points]
-        most = {bore: used[places == bore].max() for bore in set(places)}
-        share, least = _NEAR, 0.0
-        if model is not level.model:  # also where it may exceed the part's largest
-            share, least = _HIGH, _HIGH / times * level.judged_duty.bound.max()
-        near = used >= np.maximum(share * np.array([most[bore] for bore in places]), least)
-        points, places = points[near], places[near]
-        if not len(points):
-            return 0.0
-    factors: FloatArray = np.full((len(points), len(units)), more)
-    for bore, one in uneven.items():
-        pressed = np.array([name.startswith(f"{bore} ") for name in units])
-        factors[np.ix_(places == bore, pressed)] *= one.most
-    factors[:, _across(model)] = 1.0
-    raised = history.basis[points] * factors[:, None, :]
+def _largest(level: RungLevel, use: FatigueUse | None, asked: Sequence[_Asked]) -> list[float]:
+    """The largest of each, MPa: fatigue between the two positions that govern on the level."""
     if use is None:
-        return _peak(level, history, points, raised, times)
-    if every:
-        return use.anew(level, points, raised, history.coefficients, loaded.loads.cycles)
-    pair = history.coefficients[:, list(use.worst(level).pair)]
-    return use.of_states(level, raised @ pair, level.limits[points])
+        return [_peak(level, one) for one in asked]
+    pair = list(use.worst(level).pair)
+    states = [one.basis @ one.model.history.coefficients[:, pair] for one in asked]
+    return use.of_states(level, states, [level.limits[one.points] for one in asked])
+
+
+def _peak(level: RungLevel, one: _Asked) -> float:
+    """The largest von Mises stress, MPa, at the positions that strain the level's part most."""
+    if not len(one.points):
+        return 0.0
+    peaks, history = level.peaks_by_position, one.model.history
+    states = history.coefficients[:, peaks >= _HIGH / one.times * peaks.max()]
+    found = StressHistory(one.points, history.points[one.points], one.basis, states)
+    return float(found.peaks_by_point().max())
+
+
+def _any_two(
+    level: RungLevel, use: FatigueUse, asked: Sequence[_Asked], reached: float = 0.0
+) -> float:
+    """The largest fatigue of all that are asked, MPa, between any two positions.
+
+    reached  MPa: less need not be known
+    """
+    for one in reversed(asked):  # the narrowest arcs first, which are likely to have most
+        some = replace(one, points=_near(level, one))
+        if len(some.points):
+            states, basis = one.model.history.coefficients, some.basis
+            acts = basis.any(axis=(0, 1))
+            own = np.ascontiguousarray(basis[:, :, acts])
+            found = use.anew(level, some.points, own, states[acts], reached=reached)
+            reached = max(reached, found)
+    return reached
+
+
+def _near(level: RungLevel, one: _Asked) -> IntArray:
+    """The points where fatigue may be the largest: by the level's, and how much is more."""
+    bound = level.judged_duty.bound
+    share, least = _NEAR, 0.0
+    if one.model is not level.model:  # also where it may exceed the part's largest
+        share, least = _HIGH, _HIGH / one.times * bound.max()
+    used, places = bound[one.points], np.array(one.places)
+    most: FloatArray = np.zeros(len(used))
+    for place in set(one.places):
+        most[places == place] = used[places == place].max()
+    return one.points[used >= np.maximum(share * most, least)]

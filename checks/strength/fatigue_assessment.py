@@ -1,8 +1,9 @@
 """Fatigue assessment of a part: Goodman and Findley, a finite life, or the FKM guideline."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import repeat
 from math import isfinite
 from weakref import WeakKeyDictionary
 
@@ -91,11 +92,18 @@ class FatigueUse(Judged):
         limits = level.limits[level.in_bores] if isinstance(under, RaisedInBores) else level.limits
         pair = [under(self.loads, level, k, numbers) for k in self.worst(level).pair]
         stress = np.stack(pair, axis=2)
-        return [self.of_states(level, stress[..., k], limits) for k in range(len(numbers))]
+        return self.of_states(level, np.moveaxis(stress, -1, 0), repeat(limits))
 
-    def of_states(self, level: Stressed, stress: FloatArray, limits: FloatArray) -> float:
-        """The quantity between two states, stress (n, 6, 2) of the same two positions, MPa."""
-        return self._over_pair(level) * self._of_pair(stress, limits)
+    def of_states(
+        self, level: Stressed, stress: Iterable[FloatArray], limits: Iterable[FloatArray]
+    ) -> list[float]:
+        """The quantity between two states, each stress (n, 6, 2) of the same two positions, MPa.
+
+        0 where there are no points.
+        """
+        over = self._over_pair(level)
+        pairs = zip(stress, limits, strict=False)
+        return [over * self._of_pair(*pair) if len(pair[0]) else 0.0 for pair in pairs]
 
     def band(self, level: Stressed) -> tuple[float, str]:
         """How far another criterion of the same strength lies above, MPa, and what is said of it.
@@ -112,12 +120,17 @@ class FatigueUse(Judged):
         coefficients: FloatArray,
         cycles: Mapping[str, slice] | None = None,
         states: FloatArray | None = None,
+        reached: float = 0.0,
     ) -> float:
-        """The quantity at some surface points (n,) with another history, MPa."""
+        """The quantity at some surface points (n,) with another history, MPa.
+
+        reached  MPa; where no point has more, the answer is any value that is not above it
+        """
         cycles, duty = self.loads.cycles if cycles is None else cycles, level.judged_duty
         runs = duty_runs(cycles, [name for name in duty.runs if name in cycles])
         limits = duty.limits[points]
-        found = duty_verdict(basis, coefficients, limits, duty.limit, duty.ultimate, runs)
+        floor = self._floor(reached)
+        found = duty_verdict(basis, coefficients, limits, duty.limit, duty.ultimate, runs, floor)
         assert found is not None
 
         @cache
@@ -131,6 +144,10 @@ class FatigueUse(Judged):
             return np.pad(own, ((0, 0), (0, 0), (0, basis.shape[2] - own.shape[2])))
 
         return self._of_duty(found, slopes)
+
+    def _floor(self, reached: float) -> float:
+        """The utilisation up to which points need not be judged where a value is reached, MPa."""
+        return reached / self.limit
 
     def _of_duty(self, duty: DutyVerdict, slopes: SlopesAt) -> float:
         """The quantity over a duty, and the slopes of its basis into the part, MPa."""
@@ -154,8 +171,8 @@ class FatigueUse(Judged):
         highest = hydrostatic + 2 / 3 * von_mises(middle)
         most = demand + np.maximum(highest, 0.0) / self.ultimate
         may = most * (1 + _ROUND_OFF) >= least.max()
-        result = fatigue.goodman(stress[may], np.eye(2), limits[may], self.ultimate)
-        return float(result.utilisation.max()) * self.limit
+        mean = np.maximum(fatigue.principal_stresses(middle[may])[:, 2], 0.0)
+        return float((demand[may] + mean / self.ultimate).max()) * self.limit
 
     def _over_pair(self, level: Stressed) -> float:
         """The quantity over Goodman's for the deciding pair at its point: 1 where he decides."""
@@ -186,6 +203,9 @@ class LifeUse(FatigueUse):
         life = self.life(level)
         value = self.limit / life.safety
         return FatiguePeak(value, life.point, WHOLE_DUTY, life.pair, "Miner")
+
+    def _floor(self, reached: float) -> float:
+        return 0.0  # Miner's sum may use a point more than the two criteria do
 
     def _of_duty(self, duty: DutyVerdict, slopes: SlopesAt) -> float:
         return self.limit / shortest_life(duty, self.task).safety

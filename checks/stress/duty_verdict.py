@@ -216,16 +216,18 @@ def duty_verdict(
     limit: float,
     ultimate: float,
     runs: Mapping[str, IntArray],
+    floor: float = -np.inf,
 ) -> DutyVerdict | None:
     """Return the verdict over a duty, None without a cycle in it.
 
     basis (n_points, 6, n_basis), MPa per unit; coefficients (n_basis, n) over all positions.
+    floor  utilisation up to which nothing need be known (`ductile_verdict`)
     """
     if not runs:
         return None
     verdicts = {
         name: _verdict(
-            basis, np.ascontiguousarray(coefficients[:, positions]), limits, ultimate, name
+            basis, np.ascontiguousarray(coefficients[:, positions]), limits, ultimate, name, floor
         )
         for name, positions in runs.items()
     }
@@ -233,17 +235,24 @@ def duty_verdict(
 
 
 def _verdict(
-    basis: FloatArray, path: FloatArray, limits: FloatArray, ultimate: float, cycle: str = ""
+    basis: FloatArray,
+    path: FloatArray,
+    limits: FloatArray,
+    ultimate: float,
+    cycle: str = "",
+    floor: float = -np.inf,
 ) -> Verdict:
     """The verdict on one path, as far as it is needed for the worst point.
 
     Small ones are kept: suggestions set out from parts as a check has judged them by formula.
     """
     if basis.size > _SMALL:
-        return ductile_verdict(basis, path, limits, ultimate, every_point=False, cycle=cycle)
+        return ductile_verdict(
+            basis, path, limits, ultimate, every_point=False, floor=floor, cycle=cycle
+        )
     arrays = (np.ascontiguousarray(each, dtype=np.float64) for each in (basis, path, limits))
     numbers = tuple(each.tobytes() for each in arrays)
-    return _kept_verdict(*numbers, len(basis), len(path), ultimate, cycle)
+    return _kept_verdict(*numbers, len(basis), len(path), ultimate, cycle, floor)
 
 
 @lru_cache(maxsize=_KEPT)
@@ -255,6 +264,7 @@ def _kept_verdict(
     n_basis: int,
     ultimate: float,
     cycle: str,
+    floor: float,
 ) -> Verdict:
     """As `_verdict`, by the bytes of its arrays."""
     return ductile_verdict(
@@ -263,5 +273,6 @@ def _kept_verdict(
         np.frombuffer(limits),
         ultimate,
         every_point=False,
+        floor=floor,
         cycle=cycle,
     )

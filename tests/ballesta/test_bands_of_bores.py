@@ -23,6 +23,7 @@ from checks.strength.part_strength import endurance_of, fatigue_use
 from checks.stress.error_bars import bars_of
 from checks.stress.judged import StaticPeak
 from checks.stress.solid_mesh_level import Models
+from fatigue import goodman
 
 from ..small_machine import machine
 
@@ -185,6 +186,28 @@ def test_fatigue_of_bores_on_arcs_is_that_of_their_own_positions(tmp_path):
     )
     assert narrow > 1.1 * value
     assert in_bores(arcs, use, value).most == pytest.approx(narrow, rel=1e-9)
+
+
+def test_a_model_put_on_another_arc_is_the_one_that_is_built_for_it(tmp_path):
+    arcs = swung_and_pulled(tmp_path, 1.2e6, 3000.0)
+    assert len(arcs.models) == 2
+    for arc, model in arcs.models.items():
+        built = shapes.model_of(arcs.loaded.part, replace(arcs.loaded.loads, arc=arc))
+        assert model.units == built.units
+        np.testing.assert_array_equal(model.history.basis, built.history.basis)
+        np.testing.assert_array_equal(model.history.coefficients, built.history.coefficients)
+
+
+def test_two_states_use_a_part_as_goodman_has_them(tmp_path):
+    arcs = swung_and_pulled(tmp_path, 1.2e6, 3000.0)
+    level, use = arcs.level, fatigue_use(arcs.loaded)
+    assert use.worst(level).criterion == "Goodman"
+    stress = level.history.basis @ level.coefficients[:, [0, 2]]
+    used = goodman(stress, np.eye(2), level.limits, use.ultimate).utilisation
+    some = [stress, stress[arcs.points], stress[:0]]
+    limits = [level.limits, level.limits[arcs.points], level.limits[:0]]
+    wanted = [used.max() * use.limit, used[arcs.points].max() * use.limit, 0.0]
+    assert use.of_states(level, some, limits) == pytest.approx(wanted, rel=1e-12)
 
 
 def test_the_edges_of_a_levers_lug_end_where_its_outline_does():

@@ -267,3 +267,19 @@ def test_a_verdict_of_unequal_lengths_is_refused():
         replace(verdict, plane_bound=np.ones(2))
     with pytest.raises(ValueError, match="a verdict on 1 points"):
         replace(verdict, points=np.arange(2))
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_what_exceeds_a_floor_is_as_without_one_and_below_it_nothing_is_sought(seed):
+    basis, coefficients = many_points(seed)
+    limits = np.full(len(basis), 200.0)
+    whole = ductile_verdict(basis, coefficients, limits, 400.0, every_point=False)
+    worst = whole.utilisation.max()
+    less, more = (
+        ductile_verdict(basis, coefficients, limits, 400.0, every_point=False, floor=share * worst)
+        for share in (0.99, 2.0)
+    )
+    assert less.utilisation.max() == pytest.approx(worst, rel=1e-9)
+    assert (less.critical, less.pair) == (whole.critical, whole.pair)
+    assert (more.highest_utilisation >= more.utilisation).all()
+    assert (whole.n_searched > 0, more.n_searched, len(more.points)) == (True, 0, 1)

@@ -116,3 +116,10 @@ def test_what_bounds_no_plate_is_refused_with_its_place():
         PlateOutline(SQUARE, (Contour.round(30 + 25j, 10), Contour.round(30 + 25j, 3)))
     with pytest.raises(OutlineError, match="encloses no area"):
         Contour.of((0, 10), (0.0, 0.0))
+
+
+def test_an_equal_outline_that_is_cut_alike_is_not_cut_again():
+    one, other = (PlateOutline(SQUARE, (Contour.round(30 + 25j, 10),)) for _ in range(2))
+    cut = one.cut(complex(20, -0.0) + 25j, 2)
+    assert other.cut(20 + 25j, complex(1, -0.0)) is cut
+    assert other.cut(20 + 25j, 1j) is not cut

@@ -237,3 +237,18 @@ def test_where_no_change_is_found_the_result_tells_so(file):
     told = answer_text(result)
     assert result.unchanged in " ".join(told.split())
     assert "ballesta improve" not in told
+
+
+def test_of_twins_a_change_names_the_first(file, need, monkeypatch):
+    """A reserve that differs by round-off tells nothing of which part governs."""
+    design = read_design(file, [need])
+    known = Estimates(design, check_design(design, effort=FORMULA))
+    one = known.screened("parts.rod.width", 33.0, "mm", ("rod",))
+    (reserve, safety, least, check), *_ = known.reserves(one, ("rod",))
+    twins = [
+        (reserve * (1 - round_off), safety, least, replace(check, part=name))
+        for name, round_off in (("left", 0.0), ("right", 1e-15), ("stronger", -0.1))
+    ]
+    monkeypatch.setattr(known, "reserves", lambda *_: twins)
+    change = known.told("parts.rod.width", "30 mm", "33 mm", ("rod",), one)
+    assert change.governing == f"left {check.kind}"
