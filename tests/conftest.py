@@ -23,6 +23,7 @@ from fem.threads import ONE_THREAD
 from . import longest_first, processor_budget, with_examples
 
 os.environ.update(ONE_THREAD)  # before any test loads a library that has threads of its own
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # or each process compiles some 600 modules anew
 ROOT = Path(__file__).parent.parent
 collect_ignore = ["windows/sitecustomize.py"]  # imported it blocks modules, as is its purpose
 SHARES: list[tuple[Any, str, Any, Any]] = []  # place, name, with the shared store and without
