@@ -43,7 +43,7 @@ from ballesta.design.plate_parts import told_of_steps
 from checks.design.data import Cycle, Design, Part, StatedMass
 from checks.design.errors import Problems, listed, nearest, no_such
 from checks.design.model import PART_MODELS, DesignFile
-from checks.design.stacks import told_of_widths
+from checks.design.stacks import told_of_overlaps, told_of_widths
 from checks.design.strength import strength_defaults
 from checks.design.tables import TAGS
 from checks.design.units import DIMENSIONS, Quantity, Vector
@@ -189,6 +189,7 @@ def _assembled(
             *(reason for run in measured.values() for reason in run.assumed),
             *told_of_steps(parts),
             *told_of_widths(parts, model.parts),
+            *told_of_overlaps(parts),
         ),
         events=events,
         cylinders=cylinders,

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 from checks.design.data import Part
@@ -40,12 +41,7 @@ def with_widths(parts: Mapping[str, Part]) -> dict[str, Part]:
         shape = as_pin(pin.geometry)
         if pin.joint is None or shape is None:
             continue
-        lengths = {
-            part.body: face.length
-            for part, interface in _carried(pin, parts)
-            for face in part.geometry.placed_interfaces
-            if face.name == interface and face.kind == "bore"
-        }
+        lengths = _hole_lengths(pin, parts)
         stack = tuple(
             lug
             if within(lug.width, lengths.get(lug.body, math.inf))
@@ -69,6 +65,28 @@ def told_of_widths(
                 yield f"parts.{name}.stack[{k}].width", said
 
 
+def told_of_overlaps(parts: Mapping[str, Part]) -> Iterator[tuple[str, str]]:
+    """Keys of the lugs beside which another one stands that the part there is too thick for.
+
+    Of two lugs that bear beside each other, seats as wide as stated; of single ones the whole hole.
+    """
+    for pin in parts.values():
+        shape = as_pin(pin.geometry)
+        if pin.joint is None or shape is None:
+            continue
+        lengths = _hole_lengths(pin, parts)
+        bodies = [lug.body for lug in pin.stack]
+        spans = []
+        for k, (body, seat) in enumerate(zip(bodies, shape.seats, strict=True)):
+            thick = seat.width if seat.paired else max(seat.width, lengths.get(body, 0.0))
+            spans += [(place - thick / 2, place + thick / 2, k) for place in seat.places]
+        for (_, top, lower), (bottom, _, upper) in pairwise(sorted(spans)):
+            if top - bottom > APART and lower != upper:
+                both = f"{bodies[lower]} and {bodies[upper]} overlap by {top - bottom:.3g} mm"
+                said = "as thick as they are; the pin bends as its stack says, more if they part"
+                yield f"parts.{pin.name}.stack[{upper}].at", f"{both} {said}"
+
+
 def with_plays(parts: Mapping[str, Part]) -> dict[str, Part]:
     """The parts with the clearance that a pin's diameter leaves in a hole, where no fit is stated.
 
@@ -90,6 +108,16 @@ def with_plays(parts: Mapping[str, Part]) -> dict[str, Part]:
                 clearances = {**known.clearances, interface: (play, play)}
                 found[part.name] = replace(known, clearances=clearances)
     return found
+
+
+def _hole_lengths(pin: Part, parts: Mapping[str, Part]) -> dict[str | None, float]:
+    """Length of the hole for a pin, mm, by body: of a fork's both cheeks together."""
+    return {
+        part.body: face.length
+        for part, interface in _carried(pin, parts)
+        for face in part.geometry.placed_interfaces
+        if face.name == interface and face.kind == "bore"
+    }
 
 
 def _bare_seat(pin: Part, part: Part, interface: str) -> tuple[float, float | None]:

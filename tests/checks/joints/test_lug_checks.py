@@ -73,6 +73,18 @@ def test_a_pin_bears_no_longer_in_a_lug_than_the_hole_there(tmp_path):
     assert not same.assumed
 
 
+def test_lugs_that_their_parts_are_too_thick_for_are_told(tmp_path):
+    """The crank bears from 8 to 16 mm; the rod of 20 mm reaches to 10, one of 16 mm to 8."""
+    thick, thin = (
+        machine(tmp_path, PLATE.replace('thickness = "8 mm"', f'thickness = "{size} mm"') + PIN)
+        for size in (20, 16)
+    )
+    (told,) = thick.assumed
+    assert told[0] == "parts.pin_A.stack[0].at"
+    assert told[1].startswith("rod and crank overlap by 2 mm as thick as they are")
+    assert not thin.assumed
+
+
 def test_a_pin_thinner_than_its_hole_bears_on_its_own_diameter(tmp_path):
     """Without a bush the pin of 10 mm presses in the hole of 12 mm; with one the bush does."""
     wrenches = {"first": [(5000, 0, 0)], "second": [(-5000, 0, 0)]}
