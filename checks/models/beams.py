@@ -46,6 +46,12 @@ def stress(part: Part, shape: Beam, loads: PartLoads) -> RungModel | None:
     )
 
 
+def family(part: Part, shape: Beam, _loads: PartLoads, _kind: str) -> str:
+    """Solids that were compared have three pins."""
+    pins = len(shape.holes)
+    return part.shape if pins == 3 else f"{part.shape} with {pins} pins"
+
+
 def _stretches(shape: Beam) -> Stretches:
     """The profile's cells, bosses and holes in their area."""
     ends = [-shape.overhang, shape.length + shape.overhang]

@@ -13,7 +13,8 @@ from bench.rung_variations import SCENES, Machines
 from checks.by_formula import lug_shear_out
 from checks.design.errors import DesignError
 from checks.models import beams, shapes
-from checks.models.checked import BUCKLING, rung_estimates, rung_level
+from checks.models.bands import Band, NoBand, band_of, proportions_of
+from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_estimates, rung_level
 from checks.models.formula_bars import as_plate
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
@@ -180,6 +181,24 @@ def pushed(design, force):
     still = np.zeros_like(loads.accelerations)
     wrenches = {"foot": wrench, "head": -wrench}
     return part, replace(loads, wrenches=wrenches, accelerations=still, tilt_held_at=None)
+
+
+@pytest.mark.parametrize("text", [WALKING_BEAM, I_BEAM])
+def test_beams_of_three_pins_have_bars_as_solids_had(read, text):
+    """Of two pins there were none."""
+    design = read(text)
+    cycles = solve_cycles(design, part_masses(design, Models()))
+    part = design.parts["arm"]
+    loads = loads_on(design, part, cycles)
+    two = replace(part, geometry=replace(part.geometry, holes=part.geometry.holes[:2]))
+    known = proportions_of(part, loads)
+    for kind in (STATIC, FATIGUE):
+        band, none = (
+            band_of(shapes.family_of(one, loads, kind), "formula", kind, known)
+            for one in (part, two)
+        )
+        assert isinstance(band, Band)
+        assert isinstance(none, NoBand)
 
 
 @pytest.mark.parametrize("text", [WALKING_BEAM, I_BEAM])
