@@ -67,6 +67,11 @@ BOUNDS: Mapping[str, Mapping[str, tuple[float, float]]] = {
         "boss width / wall": (4.0, 12.0),
     },
 }
+LONG = "long "  # before the shape: beams of longer stretches
+_STRETCHES: Mapping[str, tuple[float, float]] = {
+    f"{which} stretch / height": (6.0, 12.0) for which in ("first", "second")
+}
+BOUNDS = {**BOUNDS, **{LONG + shape: {**own, **_STRETCHES} for shape, own in BOUNDS.items()}}
 _BEAM = """\
 body = "lever"
 shape = "{shape}"
@@ -87,17 +92,18 @@ _PROFILES = {
 }
 
 
-def drawn_beams(shape: str, most: int) -> Iterator[Drawn]:
-    """Numbers, design and solved cycles of beams of a shape that can be built."""
-    names = [*BOUNDS[shape], "slant at A", "slant at B", "reversed"]
-    return drawn(names, most, SEED, partial(_beam, shape))
+def drawn_beams(kind: str, most: int) -> Iterator[Drawn]:
+    """Numbers, design and solved cycles of beams of a shape, or long ones, that can be built."""
+    names = [*BOUNDS[kind], "slant at A", "slant at B", "reversed"]
+    return drawn(names, most, SEED, partial(_beam, kind))
 
 
-def _beam(shape: str, shares: Mapping[str, float]) -> Drawn:
+def _beam(kind: str, shares: Mapping[str, float]) -> Drawn:
     found = {
         name: exp(log(low) + shares[name] * (log(high) - log(low)))
-        for name, (low, high) in BOUNDS[shape].items()
+        for name, (low, high) in BOUNDS[kind].items()
     }
+    shape = kind.removeprefix(LONG)
     slants = [radians(SLANT * (2 * shares[f"slant at {end}"] - 1)) for end in "AB"]
     back = REVERSED[0] + shares["reversed"] * (REVERSED[1] - REVERSED[0])
     sizes = {name: size * HEIGHT for name, size in found.items() if name.endswith("/ height")}

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from bench.beams import LONG
 from bench.rung_variations import SCENES, Machines, Variation
 from checks.columns.stability import ELASTIC_SHARE
 from checks.ladder.levels import Asked
@@ -33,7 +34,7 @@ from geometry.parts import Beam, Pin
 
 ACCURACY, LESS_ACCURATE = 0.02, 0.05
 MOST_UNKNOWNS = 150_000
-BEAM_FINENESS = 0.6
+BEAM_FINENESS, LONG_FINENESS = 0.6, 0.45
 BUCKLED = 2
 # Whole meshes for buckling, by shape: of two the share is extrapolated with the fourth power of the
 # elements' size, of one its own bar is known.
@@ -75,7 +76,8 @@ def truth_of(variation: Variation) -> dict[str, Any]:
     # on assumed arcs alone: what contacts exceed these by, rungs add to their bands
     part = replace(variation.part, most_unknowns=MOST_UNKNOWNS, arc_stated=True)
     if isinstance(part.geometry, Beam):
-        part = replace(part, fineness=BEAM_FINENESS)
+        long = variation.scene.design.startswith(LONG)
+        part = replace(part, fineness=LONG_FINENESS if long else BEAM_FINENESS)
     start = perf_counter()
     line: dict[str, Any] = {"variation": variation.name, "factors": variation.factors}
     try:

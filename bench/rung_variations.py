@@ -173,6 +173,8 @@ SCENES = (
     Scene("bent", "lever", 40, {}),
     Scene("rhs_beam", "lever", 40, {}),
     Scene("i_beam", "lever", 40, {}),
+    Scene("long rhs_beam", "lever", 10, {}),
+    Scene("long i_beam", "lever", 10, {}),
 )
 # by design: parts whose machines are drawn with them, how many are wanted -> these
 DRAWN: Mapping[str, Callable[[int], Iterator[Drawn]]] = {
