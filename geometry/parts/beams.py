@@ -279,13 +279,14 @@ class Beam(Shape):
 
     @property
     def proportions(self) -> Mapping[str, float]:
-        """Walls, bosses and holes over the height, the shortest stretch too."""
+        """Walls, bosses and holes over the height, the shortest stretch too; the longest sleeve."""
         row = sorted(hole.at for hole in self.holes)
         return {
             "width / height": self.width / self.height,
             "web / height": self.form.webs / self.height,
             "boss / height": max(hole.boss for hole in self.holes) / self.height,
             "boss length / web": self.boss_length / self.form.webs,
+            "boss length / boss": self.boss_length / min(hole.boss for hole in self.holes),
             "hole / boss": max(hole.diameter / hole.boss for hole in self.holes),
             "fillet / wall": self.fillet / self.thinnest,
             "overhang / boss": self.overhang / max(hole.boss for hole in self.holes),

@@ -1,10 +1,12 @@
 """Beams of a profile by formula and from a design file, beside hand calculations."""
 
 from dataclasses import replace
+from functools import partial
 from itertools import islice
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
@@ -236,6 +238,32 @@ def test_a_wide_beam_gives_way_in_the_plane_or_twists(read):
     assert load.share == pytest.approx(10e3 * arm / twisting, rel=1e-3)
 
 
+def test_a_beam_that_is_pressed_beyond_two_pins_sways_in_the_plane(read):
+    """Of 1500 mm the last 1350 are free: k b tan(k b) = 3 b/a, F = k2 E I, beside shear.
+
+    A solid of 60 x 140 x 5 mm has 3.8 times Euler's column from end to end.
+    """
+    design = read(
+        WALKING_BEAM.replace("-300, 0 mm", "-150, 0 mm").replace("400, 0 mm", "1350, 0 mm")
+    )
+    part, loads = pushed(design, 10e3)
+    push = np.array([[-10e3, 0.0, 0.0, 0.0, 0.0, 0.0]])
+    part = replace(part, geometry=replace(design.parts["arm"].geometry, width=300.0))
+    count = len(loads.accelerations)
+    wrenches = {"foot": 0 * push, "saddle": -push, "head": push}
+    wrenches = {name: np.repeat(wrench, count, axis=0) for name, wrench in wrenches.items()}
+    loads = replace(loads, wrenches=wrenches, tilt_held_at="saddle")
+    load, form = shapes.model_of(part, loads).buckling, part.geometry.form
+    wave = brentq(lambda turn: turn * np.tan(turn) - 3 * 1350 / 150, 1.0, 1.57) / 1350
+    critical = wave**2 * 210e3 * form.section.inertia_in_plane
+    slides = 210e3 / 2.6 * float(form.sections.shear_area_y)
+    assert load.words == "in plane: hinged at two pins, free beyond them"
+    assert load.share == pytest.approx(10e3 * (1 / critical + 1 / slides), rel=1e-3)
+    assert load.weakest == load.share
+    tip, root = load.mode(np.array([[1500.0, 0.0, 0.0], [150.0, 0.0, 0.0]]))
+    assert abs(tip[1]) > 1e3 * np.abs([*root, tip[0], tip[2]]).max()
+
+
 def test_a_section_that_warps_resists_twisting_and_slender_walls_are_bounded(read):
     """Flanges 112.6 mm apart: I_y h^2/4; web 105.2 x 5 and halves of flanges 29.5 x 7.4 mm."""
     part = read(I_BEAM).parts["arm"]
@@ -243,6 +271,30 @@ def test_a_section_that_warps_resists_twisting_and_slender_walls_are_bounded(rea
     assert form.warping == pytest.approx(form.section.inertia_out_of_plane * 112.6**2 / 4)
     slender = [as_plate(b, t, free=free) for b, t, free in part.geometry.plates]
     assert slender == pytest.approx([0.28 * (105.2 / 5) ** 2, 2.6 * (27.5 / 7.4) ** 2])
+
+
+def test_a_sleeve_that_is_long_beside_its_own_boss_has_no_bar(read):
+    """Of 120 x 73 x 5 mm with bosses of 20 mm at the ends a solid has 59.6 MPa, the formula 28.1.
+
+    In the middle the boss is 65 mm; sleeves of 1.9 times the least boss were compared.
+    """
+    text = WALKING_BEAM.replace('width = "60 mm"', 'width = "73 mm"')
+    text = text.replace("-300, 0 mm", "-200, 0 mm").replace("400, 0 mm", "215, 0 mm")
+    text = text.replace('fillet = "4 mm"', 'fillet = "4 mm"\nbearing_arc = "90 deg"')
+
+    def static(hole, boss):
+        old = '{ diameter = "30 mm", boss = "50 mm" }'
+        design = read(text.replace(old, f'{{ diameter = "{hole} mm", boss = "{boss} mm" }}'))
+        loads, model = modelled(design)
+        loaded = LoadedPart(design, design.parts["arm"], loads)
+        again = partial(shapes.model_of, loaded.part)
+        return rung_estimates(loaded, rung_level(loaded, model), None, again, [STATIC])[STATIC]
+
+    slender = static(13, 20).check
+    assert slender.value == pytest.approx(28.1, abs=0.1)
+    assert slender.upper == np.inf
+    assert "boss length / boss is 3.65" in slender.note
+    assert static(30, 50).check.upper < 50
 
 
 def test_the_bound_on_buckling_holds_the_solids():
