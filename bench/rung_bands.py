@@ -24,6 +24,7 @@ from bench.rung_variations import SCENES, Machines, Variation
 from checks.design.effort import FORMULA
 from checks.models import shapes
 from checks.models.bands import of_buckling, proportions_of
+from checks.models.beams import LONG
 from checks.models.checked import (
     BUCKLING,
     BY_STRESS,
@@ -257,6 +258,12 @@ def bands(rows: Sequence[Compared]) -> dict[str, Any]:
     groups: dict[tuple[str, str, str], list[Compared]] = defaultdict(list)
     for row in rows:
         groups[row.family, row.rung, row.kind].append(row)
+    for (
+        family,
+        *rest,
+    ), some in groups.items():  # few solids: what shorter beams have may be theirs
+        if family.endswith(LONG):
+            some += groups[family.removesuffix(LONG), *rest]
     found: dict[str, Any] = {}
     for (family, rung, kind), some in sorted(groups.items()):
         if len(some) >= _FEWEST:

@@ -21,6 +21,7 @@ from geometry.parts import Beam, PinHole
 
 _PLANE = [XX, YY, XY]
 _STATIONS = 9  # between two pins
+LONG, _FROM = ", long", 4.0  # a family of solids: times the height, of both stretches
 _BESIDE = 1e-9  # of the length: on one side of a pin
 
 
@@ -47,9 +48,12 @@ def stress(part: Part, shape: Beam, loads: PartLoads) -> RungModel | None:
 
 
 def family(part: Part, shape: Beam, _loads: PartLoads, _kind: str) -> str:
-    """Solids that were compared have three pins."""
-    pins = len(shape.holes)
-    return part.shape if pins == 3 else f"{part.shape} with {pins} pins"
+    """Solids that were compared have three pins; few of long stretches, with bars of all."""
+    row = sorted(hole.at for hole in shape.holes)
+    if len(row) != 3:
+        return f"{part.shape} with {len(row)} pins"
+    long = min(b - a for a, b in pairwise(row)) >= _FROM * shape.height
+    return part.shape + LONG if long else part.shape
 
 
 def _stretches(shape: Beam) -> Stretches:
