@@ -41,20 +41,21 @@ def with_widths(parts: Mapping[str, Part]) -> dict[str, Part]:
         if pin.joint is None or shape is None:
             continue
         lengths = {
-            part.body: face.length
+            part.body: (face.length, part.geometry.cheeks_at is not None)
             for part, interface in _carried(pin, parts)
             for face in part.geometry.placed_interfaces
             if face.name == interface and face.kind == "bore"
         }
-        stack = tuple(
-            lug
-            if within(lug.width, lengths.get(lug.body, math.inf))
-            else lug.model_copy(update={"width": lengths[lug.body]})
-            for lug in pin.stack
-        )
+        stack = []
+        for lug in pin.stack:
+            length, two = lengths.get(lug.body, (math.inf, False))
+            if two and lug.at:  # the hole's length is that of both cheeks
+                length /= 2
+            narrower = not within(lug.width, length)
+            stack.append(lug.model_copy(update={"width": length}) if narrower else lug)
         widths = {lug.name: lug.width for lug in stack}
         seats = tuple(replace(seat, width=widths[seat.name]) for seat in shape.seats)
-        found[pin.name] = replace(pin, stack=stack, geometry=replace(shape, seats=seats))
+        found[pin.name] = replace(pin, stack=tuple(stack), geometry=replace(shape, seats=seats))
     return found
 
 
