@@ -3,9 +3,12 @@
 from dataclasses import replace
 from functools import partial
 from itertools import islice
+from math import perm
 
 import numpy as np
 import pytest
+from numpy.polynomial import Legendre
+from scipy.linalg import eigh, null_space
 from scipy.optimize import brentq
 
 from ballesta.design.read import read_design
@@ -243,6 +246,43 @@ def test_a_beam_that_is_pressed_beyond_two_pins_sways_in_the_plane(read):
     assert load.weakest == load.share
     tip, root = load.mode(np.array([[1500.0, 0.0, 0.0], [150.0, 0.0, 0.0]]))
     assert abs(tip[1]) > 1e3 * np.abs([*root, tip[0], tip[2]]).max()
+
+
+def test_a_bent_beam_gives_way_sideways_as_by_ritz(read):
+    """The work of moments is the integral of M w'' t, without shear; powers, with kinks at 300 mm.
+
+    Nothing presses along it, so what pins press counts as nothing.
+    """
+    design = read(I_BEAM)
+    _, model = modelled(design)
+    form = design.parts["arm"].geometry.form
+    (points, weights), length = np.polynomial.legendre.leggauss(30), 700.0
+    x = np.concatenate([150 + 150 * points, 500 + 200 * points])
+    weight = np.concatenate([150 * weights, 200 * weights])[:, None]
+
+    def rows(at, slopes):
+        powers = [Legendre.basis(n, [0, length]).deriv(slopes)(at) for n in range(14)]
+        kinks = [
+            np.where(at > 300, perm(n, slopes) * ((at - 300) / length) ** (n - slopes), 0.0)
+            for n in (2, 3, 4, 5)
+        ]
+        return np.stack([*powers, *(kink / length**slopes for kink in kinks)], axis=1)
+
+    def both(at, slopes):
+        own = rows(np.asarray(at), slopes)
+        return np.hstack([length * own, 0 * own]), np.hstack([0 * own, own])
+
+    (_, twist), (_, rate), (bent, warped) = (both(x, slopes) for slopes in range(3))
+    young, inertia = 210e3, form.section.inertia_out_of_plane
+    energy = bent.T @ (weight * young * inertia * bent)
+    energy += rate.T @ (weight * young / 2.6 * float(form.sections.torsion) * rate)
+    energy += warped.T @ (weight * young * form.warping * warped)
+    moment = np.where(x < 300, 8000 * x, 6000 * (700 - x))[:, None]
+    work = bent.T @ (weight * moment * twist)
+    held = np.vstack([both([0.0, 300.0], 0)[0], both([300.0], 0)[1]])
+    free = null_space(held)
+    shares = eigh(free.T @ (work + work.T) @ free, free.T @ energy @ free, eigvals_only=True)
+    assert model.buckling.share == pytest.approx(shares[-1], rel=1e-3)
 
 
 def test_a_section_that_warps_resists_twisting_and_slender_walls_are_bounded(read):
