@@ -18,6 +18,7 @@ from bench.rung_variations import SCENES, Machines
 from checks.by_formula import lug_shear_out
 from checks.design.errors import DesignError
 from checks.models import beams, shapes
+from checks.models.bands import Band, NoBand, band_of, proportions_of
 from checks.models.checked import BUCKLING, STATIC, rung_estimates, rung_level
 from checks.models.formula_bars import as_plate
 from checks.part.loaded_part import LoadedPart
@@ -316,6 +317,19 @@ def test_a_sleeve_that_is_long_beside_its_own_boss_has_no_bar(read):
     assert slender.upper == np.inf
     assert "boss length / boss is 3.65" in slender.note
     assert static(30, 50).check.upper < 50
+
+
+def test_flanges_thinner_than_those_compared_have_no_bar(read):
+    """Of rolled sections they are 1.3 to 2.1 times the web, of the solids 1.3 to 2.0 times."""
+    text = I_BEAM.replace('material = "S355"', 'material = "S355"\nbearing_arc = "90 deg"')
+    known = {}
+    for flange in (2.5, 7.4):
+        design = read(text.replace("7.4 mm", f"{flange} mm").replace('"4 mm"', '"3 mm"', 1))
+        scales = proportions_of(design.parts["arm"], modelled(design)[0])
+        known[flange] = band_of("i_beam", "formula", "static", scales)
+    assert isinstance(known[7.4], Band)
+    assert isinstance(known[2.5], NoBand)
+    assert "flange / web is 0.5" in known[2.5].why
 
 
 def test_the_bound_on_buckling_holds_the_solids():
