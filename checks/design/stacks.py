@@ -41,12 +41,9 @@ def with_widths(parts: Mapping[str, Part]) -> dict[str, Part]:
         shape = as_pin(pin.geometry)
         if pin.joint is None or shape is None:
             continue
-        lengths = _hole_lengths(pin, parts)
         stack = tuple(
-            lug
-            if within(lug.width, lengths.get(lug.body, math.inf))
-            else lug.model_copy(update={"width": lengths[lug.body]})
-            for lug in pin.stack
+            lug if within(lug.width, length) else lug.model_copy(update={"width": length})
+            for lug, length in zip(pin.stack, _hole_lengths(pin, parts), strict=True)
         )
         widths = {lug.name: lug.width for lug in stack}
         seats = tuple(replace(seat, width=widths[seat.name]) for seat in shape.seats)
@@ -74,11 +71,13 @@ def told_of_overlaps(parts: Mapping[str, Part]) -> Iterator[tuple[str, str]]:
         shape = as_pin(pin.geometry)
         if pin.joint is None or shape is None:
             continue
-        lengths = _hole_lengths(pin, parts)
         bodies = [lug.body for lug in pin.stack]
         spans = []
-        for k, (body, seat) in enumerate(zip(bodies, shape.seats, strict=True)):
-            thick = seat.width if seat.paired else max(seat.width, lengths.get(body, 0.0))
+        for k, (length, seat) in enumerate(
+            zip(_hole_lengths(pin, parts), shape.seats, strict=True)
+        ):
+            alone = not seat.paired and math.isfinite(length)
+            thick = max(seat.width, length) if alone else seat.width
             spans += [(place - thick / 2, place + thick / 2, k) for place in seat.places]
         for (_, top, lower), (bottom, _, upper) in pairwise(sorted(spans)):
             if top - bottom > APART and lower != upper:
@@ -110,14 +109,19 @@ def with_plays(parts: Mapping[str, Part]) -> dict[str, Part]:
     return found
 
 
-def _hole_lengths(pin: Part, parts: Mapping[str, Part]) -> dict[str | None, float]:
-    """Length of the hole for a pin, mm, by body: of a fork's both cheeks together."""
-    return {
-        part.body: face.length
+def _hole_lengths(pin: Part, parts: Mapping[str, Part]) -> list[float]:
+    """Length of the hole that each lug of a stack has for the pin, mm; inf where none is known."""
+    lengths = {
+        part.body: (face.length, part.geometry.cheeks_at is not None)
         for part, interface in _carried(pin, parts)
         for face in part.geometry.placed_interfaces
         if face.name == interface and face.kind == "bore"
     }
+    found = []
+    for lug in pin.stack:
+        length, two = lengths.get(lug.body, (math.inf, False))
+        found.append(length / 2 if two and lug.at else length)  # the bore's is that of both cheeks
+    return found
 
 
 def _bare_seat(pin: Part, part: Part, interface: str) -> tuple[float, float | None]:

@@ -446,6 +446,11 @@ class IBeam(Beam):
         ]
 
     @property
+    def proportions(self) -> Mapping[str, float]:
+        """Those of a beam, and how thick the flanges are."""
+        return {**super().proportions, "flange / web": self.flange / self.web}
+
+    @property
     def _thickest(self) -> float:
         return max(self.web, self.flange)
 

@@ -20,6 +20,7 @@ from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from checks.part.pressed_along import Uneven
 from checks.strength.part_strength import endurance_of, fatigue_use
+from checks.stress.duty_verdict import duty_verdict
 from checks.stress.error_bars import bars_of
 from checks.stress.judged import StaticPeak
 from checks.stress.solid_mesh_level import Models
@@ -196,6 +197,21 @@ def test_a_model_put_on_another_arc_is_the_one_that_is_built_for_it(tmp_path):
         assert model.units == built.units
         np.testing.assert_array_equal(model.history.basis, built.history.basis)
         np.testing.assert_array_equal(model.history.coefficients, built.history.coefficients)
+
+
+def test_no_point_is_left_out_that_uses_more_than_what_is_reached(tmp_path, monkeypatch):
+    """The floor of a verdict is the stress that is reached over the limit."""
+    arcs, floors = swung_and_pulled(tmp_path, 1.2e6, 3000.0), []
+    level, use = arcs.level, fatigue_use(arcs.loaded)
+
+    def judged(*asked):
+        floors.append(asked[-1])
+        return duty_verdict(*asked)
+
+    monkeypatch.setattr("checks.strength.fatigue_assessment.duty_verdict", judged)
+    history = level.history
+    use.anew(level, arcs.points, history.basis[arcs.points], history.coefficients, reached=40.0)
+    assert floors == [40.0 / use.limit]
 
 
 def test_two_states_use_a_part_as_goodman_has_them(tmp_path):

@@ -1,11 +1,13 @@
 """Pressure in the holes of parts, and pins that tear out behind them, by hand."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from ballesta.design.read import read_design
 from checks.by_formula import formula_checks
 from checks.by_formula.lug_shear_out import _pull, ligament_all_round, ligaments
 from checks.part.loaded_part import LoadedPart
@@ -18,6 +20,7 @@ from geometry.parts.step_part import NamedHole, StepPart
 from ...geometry.step_files import LINK, hole, link_file, link_part, plate_with, write_step
 from ...small_machine import PLATE, Meshed, loads_of, machine
 
+DESIGNS = Path(__file__).parents[3] / "designs"
 PIN = """
 [parts.pin_A]
 joint = "A"
@@ -83,6 +86,20 @@ def test_lugs_that_their_parts_are_too_thick_for_are_told(tmp_path):
     assert told[0] == "parts.pin_A.stack[0].at"
     assert told[1].startswith("rod and crank overlap by 2 mm as thick as they are")
     assert not thin.assumed
+
+
+def test_a_pin_bears_no_longer_in_each_cheek_than_its_wall(tmp_path):
+    """Cheeks of 5 mm in a stack that says 6.3, of which the bore has 10 in all."""
+    text = (DESIGNS / "toggle_press.toml").read_text()
+    file = tmp_path / "press.toml"
+    text = text.replace('wall = "6.3 mm"', 'wall = "5 mm"').replace('length = "6.3', 'length = "5')
+    file.write_text(text)
+    design = read_design(file)
+    pin = design.parts["pin_B"]
+    assert [lug.width for lug in pin.stack] == [5.0, 5.0, 43.0]
+    assert [seat.width for seat in pin.geometry.seats] == [5.0, 5.0, 43.0]
+    said = "the hole of upper is 5 mm long, which counts"
+    assert dict(design.assumed)["parts.pin_B.stack[0].width"] == said
 
 
 def test_a_pin_thinner_than_its_hole_bears_on_its_own_diameter(tmp_path):

@@ -3,9 +3,12 @@
 from dataclasses import replace
 from functools import partial
 from itertools import islice
+from math import perm
 
 import numpy as np
 import pytest
+from numpy.polynomial import Legendre
+from scipy.linalg import eigh, null_space
 from scipy.optimize import brentq
 
 from ballesta.design.read import read_design
@@ -264,6 +267,43 @@ def test_a_beam_that_is_pressed_beyond_two_pins_sways_in_the_plane(read):
     assert abs(tip[1]) > 1e3 * np.abs([*root, tip[0], tip[2]]).max()
 
 
+def test_a_bent_beam_gives_way_sideways_as_by_ritz(read):
+    """The work of moments is the integral of M w'' t, without shear; powers, with kinks at 300 mm.
+
+    Nothing presses along it, so what pins press counts as nothing.
+    """
+    design = read(I_BEAM)
+    _, model = modelled(design)
+    form = design.parts["arm"].geometry.form
+    (points, weights), length = np.polynomial.legendre.leggauss(30), 700.0
+    x = np.concatenate([150 + 150 * points, 500 + 200 * points])
+    weight = np.concatenate([150 * weights, 200 * weights])[:, None]
+
+    def rows(at, slopes):
+        powers = [Legendre.basis(n, [0, length]).deriv(slopes)(at) for n in range(14)]
+        kinks = [
+            np.where(at > 300, perm(n, slopes) * ((at - 300) / length) ** (n - slopes), 0.0)
+            for n in (2, 3, 4, 5)
+        ]
+        return np.stack([*powers, *(kink / length**slopes for kink in kinks)], axis=1)
+
+    def both(at, slopes):
+        own = rows(np.asarray(at), slopes)
+        return np.hstack([length * own, 0 * own]), np.hstack([0 * own, own])
+
+    (_, twist), (_, rate), (bent, warped) = (both(x, slopes) for slopes in range(3))
+    young, inertia = 210e3, form.section.inertia_out_of_plane
+    energy = bent.T @ (weight * young * inertia * bent)
+    energy += rate.T @ (weight * young / 2.6 * float(form.sections.torsion) * rate)
+    energy += warped.T @ (weight * young * form.warping * warped)
+    moment = np.where(x < 300, 8000 * x, 6000 * (700 - x))[:, None]
+    work = bent.T @ (weight * moment * twist)
+    held = np.vstack([both([0.0, 300.0], 0)[0], both([300.0], 0)[1]])
+    free = null_space(held)
+    shares = eigh(free.T @ (work + work.T) @ free, free.T @ energy @ free, eigvals_only=True)
+    assert model.buckling.share == pytest.approx(shares[-1], rel=1e-3)
+
+
 def test_a_section_that_warps_resists_twisting_and_slender_walls_are_bounded(read):
     """Flanges 112.6 mm apart: I_y h^2/4; web 105.2 x 5 and halves of flanges 29.5 x 7.4 mm."""
     part = read(I_BEAM).parts["arm"]
@@ -295,6 +335,19 @@ def test_a_sleeve_that_is_long_beside_its_own_boss_has_no_bar(read):
     assert slender.upper == np.inf
     assert "boss length / boss is 3.65" in slender.note
     assert static(30, 50).check.upper < 50
+
+
+def test_flanges_thinner_than_those_compared_have_no_bar(read):
+    """Of rolled sections they are 1.3 to 2.1 times the web, of the solids 1.3 to 2.0 times."""
+    text = I_BEAM.replace('material = "S355"', 'material = "S355"\nbearing_arc = "90 deg"')
+    known = {}
+    for flange in (2.5, 7.4):
+        design = read(text.replace("7.4 mm", f"{flange} mm").replace('"4 mm"', '"3 mm"', 1))
+        scales = proportions_of(design.parts["arm"], modelled(design)[0])
+        known[flange] = band_of("i_beam", "formula", "static", scales)
+    assert isinstance(known[7.4], Band)
+    assert isinstance(known[2.5], NoBand)
+    assert "flange / web is 0.5" in known[2.5].why
 
 
 def test_the_bound_on_buckling_holds_the_solids():

@@ -37,6 +37,13 @@ def test_both_together_by_their_share_of_von_mises_stress():
     assert_allclose(found, 2 / np.sqrt(3) * 10 / np.sqrt(9100.0), rtol=1e-3)
 
 
+@pytest.mark.parametrize(("across", "wanted"), [(35.0, 0.4598), (40.0, 1.0)])
+def test_from_half_of_the_stress_across_on_all_of_it_counts(across, wanted):
+    """Of 100 along: 2/root 3 35/root(10 000 - 3500 + 1225) = 0.46, and 0.53 of 40."""
+    found = share([*ALONG, *ACROSS], [[100.0, 0.0], [across, 0.0]])
+    assert_allclose(found, wanted, rtol=1e-3)
+
+
 def test_a_swing_across_counts_beside_a_steady_stress_along():
     assert share([*ALONG, *ACROSS], [[100.0, 100.0], [5.0, -5.0]]) == 1.0
 
