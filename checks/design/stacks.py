@@ -9,6 +9,7 @@ from typing import Any
 
 from checks.design.data import Part
 from checks.design.errors import Problems
+from checks.design.model import StackEntry
 from checks.handbook.fits import DEFAULT, clearances_of
 from geometry.parameters import within
 from geometry.parts.pin import as_pin
@@ -42,13 +43,21 @@ def with_widths(parts: Mapping[str, Part]) -> dict[str, Part]:
         if pin.joint is None or shape is None:
             continue
         stack = tuple(
-            lug if within(lug.width, length) else lug.model_copy(update={"width": length})
+            lug if within(lug.width, length) else _narrowed(lug, length)
             for lug, length in zip(pin.stack, _hole_lengths(pin, parts), strict=True)
         )
         widths = {lug.name: lug.width for lug in stack}
         seats = tuple(replace(seat, width=widths[seat.name]) for seat in shape.seats)
         found[pin.name] = replace(pin, stack=stack, geometry=replace(shape, seats=seats))
     return found
+
+
+def _narrowed(lug: StackEntry, width: float) -> StackEntry:
+    """A lug that is no wider than its hole is long; nor does its bush bear beyond."""
+    bush = lug.bush
+    if bush is not None and within(bush.length, lug.width):
+        bush = bush.model_copy(update={"length": min(bush.length, width)})
+    return lug.model_copy(update={"width": width, "bush": bush})
 
 
 def told_of_widths(

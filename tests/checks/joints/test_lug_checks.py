@@ -89,15 +89,16 @@ def test_lugs_that_their_parts_are_too_thick_for_are_told(tmp_path):
 
 
 def test_a_pin_bears_no_longer_in_each_cheek_than_its_wall(tmp_path):
-    """Cheeks of 5 mm in a stack that says 6.3, of which the bore has 10 in all."""
+    """Cheeks of 5 mm, and so bushes, in a stack that says 6.3; the bore has 10 in all."""
     text = (DESIGNS / "toggle_press.toml").read_text()
     file = tmp_path / "press.toml"
-    text = text.replace('wall = "6.3 mm"', 'wall = "5 mm"').replace('length = "6.3', 'length = "5')
+    text = text.replace('wall = "6.3 mm"', 'wall = "5 mm"')
     file.write_text(text)
     design = read_design(file)
     pin = design.parts["pin_B"]
     assert [lug.width for lug in pin.stack] == [5.0, 5.0, 43.0]
     assert [seat.width for seat in pin.geometry.seats] == [5.0, 5.0, 43.0]
+    assert [lug.bush.length for lug in pin.stack[:2]] == [5.0, 5.0]
     said = "the hole of upper is 5 mm long, which counts"
     assert dict(design.assumed)["parts.pin_B.stack[0].width"] == said
 
