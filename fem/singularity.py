@@ -296,6 +296,8 @@ _SHARE = 0.17  # of the peak times (h / rho)^2
 _CORNER = 1.5  # h / rho from which on elements see a sharp corner
 _SIDES = ((0, 1), (1, 2), (2, 0))
 _BOTH_WAYS = 0.2  # of the larger curvature: with more along it, a notch is no groove
+_ALIKE = np.cos(np.radians(30.0))  # between lines along one groove
+_FLAT = 0.1  # of the curvature beside it: less has no direction of its own
 _CORNERS = ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))
 
 
@@ -307,7 +309,8 @@ def concave_curvatures(mesh: Mesh) -> FloatArray:
 def across_notches(mesh: Mesh) -> FloatArray:
     """Unit vectors (n_nodes, 3) along which the surface at each node is concave.
 
-    Zero where it is flat or convex, or concave in every direction, as in a bore's round end.
+    Zero where it is flat or convex, or concave in every direction, as in a bore's round end, and
+    where grooves meet: where the curvature is that of a groove along another line than the node's.
     """
     return _curved(mesh)[1]
 
@@ -315,30 +318,41 @@ def across_notches(mesh: Mesh) -> FloatArray:
 def _curved(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
     """`concave_curvatures` and `across_notches`.
 
-    A node has those of the most curved facet at any corner of the elements that meet it.
+    Curvature is that of the most curved facet at any corner of the elements that meet a node, and
+    so is the direction, unless the node itself is part of a curved facet: then it is its own.
     """
-    curvatures, across = _facets_curved(mesh)
-    most = np.full(len(mesh.nodes), -1)
-    order = np.argsort(curvatures, kind="stable")  # of equal indices the last one stays
-    for corner in range(3):
-        best = most[mesh.facets[order, corner]]
-        more = (best < 0) | (curvatures[best] <= curvatures[order])
-        most[mesh.facets[order[more], corner]] = order[more]
+    curvatures, across, along = _facets_curved(mesh)
+    most = _most_curved(curvatures, mesh.facets[:, :3], len(mesh.nodes))
     known = np.append(curvatures, 0.0)
     of_elements = most[mesh.elements]
     highest = known[of_elements].argmax(axis=1)
     facet = of_elements[np.arange(len(highest)), highest]
-    order = np.argsort(known[facet], kind="stable")
-    found = np.full(len(mesh.nodes), -1)
-    found[mesh.elements[order].ravel()] = np.repeat(facet[order], mesh.elements.shape[1])
-    return known[found], np.append(across, np.zeros((1, 3)), axis=0)[found]
+    found = facet[_most_curved(known[facet], mesh.elements, len(mesh.nodes))]
+    own = _most_curved(curvatures, mesh.facets, len(mesh.nodes))
+    across, along = (np.append(one, np.zeros((1, 3)), axis=0) for one in (across, along))
+    curved = known[own] > _FLAT * known[found]
+    one_groove = np.abs((along[own] * along[found]).sum(axis=1)) > _ALIKE
+    nearest = np.where((curved & one_groove)[:, None], across[own], across[found])
+    return known[found], np.where((curved & ~one_groove)[:, None], 0.0, nearest)
 
 
-def _facets_curved(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
-    """Largest concave curvature (n,) of each facet along its sides, and the direction (n, 3).
+def _most_curved(curvatures: FloatArray, members: IntArray, n_nodes: int) -> IntArray:
+    """Row (n_nodes,) of the largest curvature that each node is a member of; -1 where there is none.
 
+    curvatures (n,) of facets or elements, whose nodes are their members (n, m)
+    """
+    order = np.argsort(curvatures, kind="stable")  # of equal indices the last one stays
+    rows = np.full(n_nodes, -1)
+    rows[members[order].ravel()] = np.repeat(order, members.shape[1])
+    return rows
+
+
+def _facets_curved(mesh: Mesh) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Largest concave curvature (n,) of each facet along its sides, and unit vectors (n, 3).
+
+    The vectors are across the groove that the facet is part of, and along it; zero in no groove.
     The curvatures k along three sides d make the tensor K of the surface, d K d = k; its principal
-    direction is the one.
+    direction is the one across.
     """
     corners = mesh.nodes[mesh.facets]
     normals = np.stack([facet_normals(corners, r, s) for r, s in _CORNERS], axis=1)
@@ -364,7 +378,8 @@ def _facets_curved(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
     values, vectors = np.linalg.eigh(tensor[:, [0, 1, 1, 2]].reshape(-1, 2, 2))
     across = vectors[:, :1, 1] * u + vectors[:, 1:, 1] * v
     one_way = (values[:, 1] > 0.0) & (values[:, 0] < _BOTH_WAYS * values[:, 1])
-    return largest, np.where(one_way[:, None], across, 0.0)
+    across *= one_way[:, None]
+    return largest, across, np.cross(normal, across)
 
 
 def notch_error(size: FloatArray, curvature: FloatArray) -> FloatArray:

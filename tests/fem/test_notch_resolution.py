@@ -6,7 +6,8 @@ from numpy.testing import assert_allclose
 
 from fem.singularity import across_notches, concave_curvatures, notch_error
 from geometry.meshing import mesh_shape
-from geometry.parts import PlateLink
+from geometry.parts import PinHole, PlateLink, RhsBeam
+from geometry.shape import Half
 
 
 @pytest.fixture(scope="module")
@@ -44,3 +45,19 @@ def test_across_a_hole_is_around_it(link):
     for place, wanted in (((0, 5, 0), (1, 0, 0)), ((5, 0, 0), (0, 1, 0))):
         assert_allclose(np.abs(across[at(link, *place)]), wanted, atol=0.25)  # facets beside it
     assert not across[at(link, 30, 15, 0)].any()
+
+
+def test_where_coarse_elements_reach_from_a_bore_to_a_fillet_no_groove_is_along_the_other():
+    """Bores run along z, inner corners of the hollow section along x."""
+    holes = tuple(
+        PinHole(name, at=at, diameter=30.0, boss=50.0) for name, at in (("A", 0.0), ("B", 300.0))
+    )
+    sizes = {"height": 120.0, "width": 60.0, "overhang": 60.0, "fillet": 4.0}
+    mesh = mesh_shape(Half(RhsBeam(holes=holes, **sizes, wall=5.0, corner=10.0)), fineness=0.35)
+    across, (x, y, _) = across_notches(mesh), mesh.nodes.T
+    concave = across.any(axis=1) & (concave_curvatures(mesh) > 0.05)  # radii of 15 and 5 mm
+    on_rim = np.abs(np.hypot(x, y) - 15.0) < 0.3
+    in_corner = (np.abs(y) > 54.0) & (np.abs(x - 150.0) < 100.0)
+    for place, line in ((on_rim, 2), (in_corner, 0)):
+        assert np.count_nonzero(place & concave) > 100
+        assert np.abs(across[place & concave, line]).max() < 0.02
