@@ -337,7 +337,7 @@ def _curved(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
 
 
 def _most_curved(curvatures: FloatArray, members: IntArray, n_nodes: int) -> IntArray:
-    """Row (n_nodes,) of the largest curvature that each node is a member of; -1 where there is none.
+    """Row (n_nodes,) of the largest curvature that each node is a member of; -1 without any.
 
     curvatures (n,) of facets or elements, whose nodes are their members (n, m)
     """
