@@ -238,6 +238,7 @@ def check_to_folder(
     from ballesta.pipeline import check_with_cycles
     from ballesta.sweeps.improve import with_changes
     from checks.store.results import keep_result
+    from reports.answer_facts import first_word
     from reports.live.section import with_encoded_fields
 
     with progress(path) as say:
@@ -252,6 +253,8 @@ def check_to_folder(
             keep=_kept() if telling.is_supervised() else None,
         )
         shown = checked.result
+        if telling.is_supervised():  # what follows decides nothing, but takes seconds
+            print(first_word(shown), file=sys.stderr, flush=True)
         with drawing(shown.parts) as pictures, told_of_folder(folder):
             if effort.within is None:  # a limit of time is for the checks
                 say("seeking single changes by formula")

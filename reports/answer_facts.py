@@ -404,6 +404,16 @@ _RIGHT = {2, 3, 4}
 _INDENT = 13
 
 
+def first_word(result: DesignResult) -> str:
+    """Verdict and deciding check on one line, for who waits until the whole answer stands."""
+    told = f"{clean(result.file)}: {str(result.status).upper()}"
+    if not result.checks:
+        return told
+    check = result.deciding
+    safety = f"safety {_safety(check)}, {need_text(check.required)} required"
+    return f"{told}, {safety}, {check.kind} of {_short(check.part)}"
+
+
 def answer_text(
     result: DesignResult, width: int | None = None, report: str | Path | None = None
 ) -> str:

@@ -242,3 +242,5 @@ def test_what_a_library_prints_stands_in_no_json(tmp_path, open_design):
     assert [one["name"] for one in json.loads(out)] == ["Crank and slider"]
     assert code == 1
     assert "PLC Error" in err
+    verdict = err.index("open.toml: UNDECIDED, safety ")  # told before what decides nothing
+    assert verdict < err.index("seeking single changes")
