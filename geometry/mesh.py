@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -65,6 +66,7 @@ class Interface:
     travel    mm, lowest and highest x of a slide's contact, from the centre
     patch     mm, half the length along x on which a slide's contact presses
     tilts     True if a bore or journal also carries couples about x and y
+    piece     mm, its length in the thinner of two cheeks; inf where it is in one piece
     """
 
     name: str
@@ -75,6 +77,7 @@ class Interface:
     travel: tuple[float, float] = (0.0, 0.0)
     patch: float = 0.0
     tilts: bool = False
+    piece: float = inf
 
     @property
     def surfaces(self) -> tuple[str, ...]:
@@ -96,6 +99,7 @@ class Interface:
             length=unit * self.length,
             travel=(unit * low, unit * high),
             patch=unit * self.patch,
+            piece=unit * self.piece,
         )
 
 

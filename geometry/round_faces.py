@@ -31,6 +31,7 @@ class Hole:
     centre     (3,) mm, on the axis, at the middle of its surface
     direction  (3,) unit vector along the axis, its largest component positive
     length     mm, along the axis: of its pieces in sum
+    piece      mm, of the shortest of them
     faces      CAD tags
     plain      True if nothing cuts into its surface, so that a pin can press on all of it
     """
@@ -40,6 +41,7 @@ class Hole:
     centre: FloatArray
     direction: FloatArray
     length: float
+    piece: float
     faces: tuple[int, ...]
     plain: bool
 
@@ -259,7 +261,8 @@ def _hole(pieces: Sequence[Sequence[_Patch]]) -> Hole:
     patches = [patch for piece in pieces for patch in piece]
     first = patches[0]
     spans = [(min(p.low for p in piece), max(p.high for p in piece)) for piece in pieces]
-    length = sum(high - low for low, high in spans)
+    lengths = [high - low for low, high in spans]
+    length = sum(lengths)
     # pins press evenly along the length: their force passes through the middle of the surface
     middle = sum((high - low) * (high + low) / 2 for low, high in spans) / length
     return Hole(
@@ -268,6 +271,7 @@ def _hole(pieces: Sequence[Sequence[_Patch]]) -> Hole:
         centre=first.origin + middle * first.direction,
         direction=first.direction,
         length=length,
+        piece=min(lengths),
         faces=tuple(patch.face for patch in patches),
         plain=all(_is_plain(piece, *span) for piece, span in zip(pieces, spans, strict=True)),
     )

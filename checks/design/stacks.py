@@ -120,16 +120,17 @@ def with_plays(parts: Mapping[str, Part]) -> dict[str, Part]:
 
 def _hole_lengths(pin: Part, parts: Mapping[str, Part]) -> list[float]:
     """Length of the hole that each lug of a stack has for the pin, mm; inf where none is known."""
-    lengths = {
-        part.body: (face.length, part.geometry.cheeks_at is not None)
+    bores = {
+        part.body: face
         for part, interface in _carried(pin, parts)
         for face in part.geometry.placed_interfaces
         if face.name == interface and face.kind == "bore"
     }
     found = []
     for lug in pin.stack:
-        length, two = lengths.get(lug.body, (math.inf, False))
-        found.append(length / 2 if two and lug.at else length)  # the bore's is that of both cheeks
+        bore = bores.get(lug.body)
+        whole = bore.length if bore else math.inf
+        found.append(min(bore.piece, whole) if bore and lug.at else whole)  # of one cheek
     return found
 
 

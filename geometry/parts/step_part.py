@@ -446,9 +446,8 @@ class StepPart(Shape):
 
     def _interface(self, name: str) -> Interface:
         hole = self.found[name]
-        return Interface(
-            name, hole.kind, self.centre(name), hole.diameter / 2, hole.length, tilts=True
-        )
+        size = hole.diameter / 2, hole.length
+        return Interface(name, hole.kind, self.centre(name), *size, tilts=True, piece=hole.piece)
 
     def _hole_regions(self) -> list[Region]:
         return [

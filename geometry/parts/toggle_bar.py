@@ -229,7 +229,14 @@ class ToggleBar(Shape):
     def placed_interfaces(self) -> list[Interface]:
         """Where other parts press on it."""
         return [
-            Interface(name, "bore", np.array([x, 0.0, 0.0]), self.hole / 2, 2 * self.wall)
+            Interface(
+                name,
+                "bore",
+                np.array([x, 0.0, 0.0]),
+                self.hole / 2,
+                2 * self.wall,
+                piece=self.wall,
+            )
             for name, x in self.pin_places.items()
         ]
 

@@ -260,6 +260,8 @@ def test_a_bar_with_cheeks_is_no_column_of_its_tube_alone(folder):
     part = StepPart(write_step(folder / "bar.step", BAR.build), tuple(holes))
     assert not part.sections
     assert any("forks" in said for said in part.told)
+    bore = part.placed_interfaces[0]
+    assert_allclose((bore.length, bore.piece), (2 * BAR.wall, BAR.wall))
 
 
 def test_equal_files_are_the_same_part_wherever_they_lie(folder, link):
