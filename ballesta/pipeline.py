@@ -52,7 +52,7 @@ from checks.part.part_loads import Doubt, Runs, is_loaded, loads_on, shown_of
 from checks.result.verdict import Check, DesignResult, PartResult
 from checks.result.ways import ways_out
 from checks.store.store import Store
-from checks.strength.load_doubts import with_doubts
+from checks.strength.load_doubts import only_at, with_doubts
 from checks.strength.part_strength import beyond_size_data
 from checks.stress.solid_mesh_level import Models
 from fem.solvers import SolverError, chosen_solver
@@ -165,7 +165,7 @@ def check_with_cycles(
         say("loads: buckling of the linkage")
         motions = FreeMotions()
         mode = stored_mode(store, design, runs) if store else worst_mode(design, runs, motions)
-        linkage = [] if mode is None else [_of_linkage(design, mode, doubts.all, motions)]
+        linkage = [*_of_linkage(design, mode, doubts.all, motions)]
         linkage += _of_cylinders(design, runs, doubts.all)
         timings["loads"] = perf_counter() - start - sum(models.seconds.values())
     except loads.LinkageError as error:
@@ -279,8 +279,12 @@ def _warnings_of_parts(design: Design, results: Sequence[PartResult]) -> list[st
 
 
 def _of_linkage(
-    design: Design, mode: LinkageMode, doubts: Sequence[Doubt], motions: FreeMotions
-) -> Check:
+    design: Design, mode: LinkageMode | None, doubts: Sequence[Doubt], motions: FreeMotions
+) -> Iterator[Check]:
+    """Its check, where anything presses it; one that is only there at an end stands by itself."""
+    if mode is None:
+        yield from _only_doubted(design, doubts, motions)
+        return
     mode = mode.under(design.load_factor)
     check = linkage_check(design, mode)
     ends = {
@@ -288,7 +292,21 @@ def _of_linkage(
         for doubt in doubts
         if check.utilisation > _FAR or not doubt.speed
     }
-    return with_doubts(check, ends).explained_by(linkage_share(design, mode, check))
+    yield with_doubts(check, ends).explained_by(linkage_share(design, mode, check))
+
+
+def _only_doubted(design: Design, doubts: Sequence[Doubt], motions: FreeMotions) -> Iterator[Check]:
+    """The worst of the linkage's checks at the ends of doubts; its load may as well be none."""
+    pressed = [
+        (mode.under(design.load_factor), doubt.words)
+        for doubt in doubts
+        for end in doubt.ends
+        if (mode := worst_mode(design, end, motions)) is not None
+    ]
+    if pressed:
+        mode, words = min(pressed, key=lambda one: one[0].factor)
+        check = only_at(words, linkage_check(design, mode))
+        yield check.explained_by(linkage_share(design, mode, check))
 
 
 def _of_cylinders(design: Design, runs: Runs, doubts: Sequence[Doubt]) -> list[Check]:

@@ -58,7 +58,7 @@ def doubted(
     checks  under its own
 
     A check of the same kind and quantity at an end of a doubt counts by its utilisation. One that
-    is only there at an end stands by itself.
+    is only there at an end stands by itself, and fails nothing.
     """
     found = list(checks)
     known = {(check.kind, check.quantity) for check in found}
@@ -72,18 +72,28 @@ def doubted(
                 ends[name].setdefault(doubt.words, []).append(used)
             for name, check in made.items():
                 if name not in known:
-                    note = "; ".join(
-                        text for text in (check.note, f"only at: {doubt.words}") if text
-                    )
                     worse = only.get(name)
                     if worse is None or check.utilisation > worse.utilisation:
-                        only[name] = replace(check, note=note)
+                        only[name] = only_at(doubt.words, check)
     done = []
     for check in found:
         unit = check.limit / check.required
         values = {w: [unit * u for u in us] for w, us in ends[check.kind, check.quantity].items()}
         done.append(with_doubts(check, values))
     return [*done, *only.values()]
+
+
+def only_at(words: str, check: Check) -> Check:
+    """A check that is only there at an end of a doubt: its value may as well be none."""
+    note = "; ".join(text for text in (check.note, f"only at: {words}") if text)
+    found = replace(
+        check,
+        model_below=check.value,
+        loads_below=check.value,
+        doubts=(*check.doubts, (words, 0.0, check.value)),
+        note=note,
+    )
+    return found.explained_by(check.derivation)
 
 
 @dataclass(frozen=True)

@@ -165,6 +165,21 @@ def test_buckling_of_a_linkage_that_is_hardly_used_has_what_a_stop_may_multiply(
     assert linkage.status is Status.UNDECIDED
 
 
+def test_a_linkage_that_only_the_end_of_a_doubt_presses_has_its_buckling(tmp_path):
+    """49.4 kN 8.9 mm behind the stop, where it is pulled: 0.384 of the load, of 1/3; or none."""
+    (tmp_path / "sliders.toml").write_text(PUSHED, encoding="utf-8")
+    pulled = (
+        PULLED_BEFORE[0].replace("99 mm", "100.5 mm"),
+        PULLED_BEFORE[1],
+    )
+    result = check_design(read_design(tmp_path / "sliders.toml", pulled), effort=Effort("formula"))
+    (linkage,) = result.linkage
+    assert linkage.value == pytest.approx(0.384, rel=0.01)
+    assert linkage.value - linkage.below == 0.0
+    assert "; only at: press: end of its travel off by up to 8.9 mm" in linkage.note
+    assert linkage.status is Status.UNDECIDED
+
+
 @pytest.mark.slow
 def test_the_bars_of_a_whole_check_reach_to_both_ends():
     """Between both written designs' own values, by formula."""
