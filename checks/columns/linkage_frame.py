@@ -28,6 +28,7 @@ from checks.design.data import Design
 from checks.part.derived import Kind
 from checks.part.part_loads import shown_of
 from checks.result.verdict import Check
+from checks.result.words import UNKNOWN_BAR
 from checks.strength.sampling import with_sampling
 from fem.frame import FrameModes, LooseFrameError
 from fem.frame_joints import IN_PLANE, OUT_OF_PLANE
@@ -49,6 +50,9 @@ _ROUND_OFF = 1e-9  # of a factor
 _SHARE_DIGITS = 6  # of strain energy: of bodies alike in a symmetric linkage the first is told
 _NEAR = 0.95  # of the largest share: about which of these all positions are asked
 _APART = 1e6  # how much stiffer one bar is than another where digits of the soft one are lost
+_LOOSE = (
+    "with soft forks the linkage moves out of the plane without strain; its forks are not stated"
+)
 _PLANES = {"in plane": IN_PLANE, "out of plane": OUT_OF_PLANE}
 Solved = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 
@@ -65,6 +69,20 @@ _IN, _SOFT, _STIFF = (
     _Case("out of plane", False),
     _Case("out of plane", True),
 )
+
+
+class _LooseError(loads.LinkageError):
+    """A frame that can move without strain.
+
+    apart  True if that may be round-off, as its bars are too unlike
+    """
+
+    def __init__(self, text: str, apart: bool) -> None:
+        super().__init__(text, apart)
+        self.text, self.apart = text, apart
+
+    def __str__(self) -> str:
+        return self.text
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,6 +104,7 @@ class LinkageMode:
     effective_length  mm, of a hinged column of its section at mid-length with that factor
     rigid             bodies that are no bars
     slots_hold        whether slots hold sideways even with soft forks, as something is loose else
+    loose             whether unstated forks are stiff, as something is loose with soft ones
     shape             body -> (n, 6) mm and rad, displacement and turn at `places` (n, 2) mm, the
                       largest displacement 1; ground axes
     """
@@ -106,6 +125,7 @@ class LinkageMode:
     effective_length: float | None
     rigid: tuple[str, ...]
     slots_hold: bool
+    loose: bool
     places: Mapping[str, FloatArray]
     shape: Mapping[str, FloatArray]
 
@@ -154,11 +174,12 @@ def worst_mode(
     they tell no positions of the bodies. Raises loads.LinkageError where the frame can move.
     """
     motions = FreeMotions() if motions is None else motions
-    cycles, asked = _solved_cycles(solved), _asked(design)
+    cycles = _solved_cycles(solved)
     found = _lowest(design, cycles, motions, _cases(design))
     if found is None:
         return None
     fine, lowest = found
+    asked = _STIFF if fine.loose else _asked(design)
     worst = [(*lowest[case], case) for case in (_IN, asked) if case in lowest]
     if not worst:
         return None
@@ -212,11 +233,29 @@ def _lowest(
         return None
     try:
         ranked = coarse.ranked()
-    except loads.LinkageError:  # a body that only slots keep from moving sideways
-        coarse = _Search(design, cycles, COARSE, motions, cases, slots_hold=True)
-        ranked = coarse.ranked()
-    fine = _Search(design, cycles, FINE, motions, cases, slots_hold=coarse.slots_hold)
+    except _LooseError:
+        coarse, ranked = _held(design, cycles, motions, cases)
+    fine = _Search(
+        design, cycles, FINE, motions, cases, slots_hold=coarse.slots_hold, loose=coarse.loose
+    )
     return fine, {case: fine.lowest(case, places) for case, places in ranked.items()}
+
+
+def _held(
+    design: Design,
+    cycles: Mapping[str, loads.CycleLoads],
+    motions: FreeMotions,
+    cases: Sequence[_Case],
+) -> "tuple[_Search, dict[_Case, list[tuple[float, Place]]]]":
+    """Search of the coarse frames where slots hold sideways, or else forks that are not stated."""
+    search = _Search(design, cycles, COARSE, motions, cases, slots_hold=True)
+    try:
+        return search, search.ranked()
+    except _LooseError as loose:
+        if loose.apart or design.forks is not None:
+            raise
+    search = _Search(design, cycles, COARSE, motions, (_IN, _STIFF), loose=True)
+    return search, search.ranked()
 
 
 def linkage_check(design: Design, mode: LinkageMode) -> Check:
@@ -241,6 +280,7 @@ def linkage_check(design: Design, mode: LinkageMode) -> Check:
     rigid = f"; taken as rigid: {', '.join(mode.rigid)}" if mode.rigid else ""
     slots = "; slots hold sideways, else something were loose" if mode.slots_hold else ""
     shares = ", ".join(f"{name} {share:.0%}" for name, share in mode.shares.items() if share > 5e-3)
+    loose = f"; {UNKNOWN_BAR}{_LOOSE}" if mode.loose else ""
     check = Check(
         part="linkage",
         kind=LINKAGE.name,
@@ -248,7 +288,7 @@ def linkage_check(design: Design, mode: LinkageMode) -> Check:
         value=value,
         unit="",
         numerical=value * mode.error / mode.factor,
-        model=0.0,
+        model=np.inf if mode.loose else 0.0,
         model_below=below,
         limit=1.0,
         required=LINKAGE.safety(design.require),
@@ -259,7 +299,7 @@ def linkage_check(design: Design, mode: LinkageMode) -> Check:
         basis="linear eigenvalue of all bars and rigid bodies together, drive held: knows neither "
         "yield nor crookedness nor snapping through",
         note=f"lowest factor {mode.factor:.3g} {mode.plane}, {beside} {other}; {forks}; strain "
-        f"energy: {shares}{column}{slots}{rigid}",
+        f"energy: {shares}{column}{slots}{rigid}{loose}",
     )
     return with_sampling(check, mode.rise)
 
@@ -302,8 +342,10 @@ class _Search:
         cases: Sequence[_Case] | None = None,
         *,
         slots_hold: bool = False,
+        loose: bool = False,
     ) -> None:
-        self._design, self._cycles, self.slots_hold = design, cycles, slots_hold
+        self._design, self._cycles = design, cycles
+        self.slots_hold, self.loose = slots_hold, loose
         self._cases = cases or _cases(design)
         first = next(iter(cycles.values()))
         self.model: LinkModel = link_model(design, first.linkage, pieces)
@@ -448,7 +490,7 @@ class _Search:
         keys = [(self._frame, self._pose(*some.places[n]), case) for n in asked]
         return self._motions.of(keys, solve)
 
-    def _loose(self, plane: str, error: LooseFrameError) -> loads.LinkageError:
+    def _loose(self, plane: str, error: LooseFrameError) -> "_LooseError":
         """The error of a frame that moves without strain, with bars of very unlike stiffness."""
         stiffness = {
             self.model.links[n].name: self.model.bending(n, plane)
@@ -463,7 +505,8 @@ class _Search:
                 f", as far as double precision tells: {stiff} is {ratio:.1g} times as stiff "
                 f"against bending as {soft}; check the sections and lengths of both"
             )
-        return loads.LinkageError(f"buckling of the linkage, {plane}: {error}{apart}")
+        cure = '; state forks = "stiff" if they hold it' if self._design.forks == "soft" else ""
+        return _LooseError(f"buckling of the linkage, {plane}: {error}{apart}{cure}", bool(apart))
 
     def _modes(self, name: str, k: int, case: _Case) -> FrameModes:
         here = Together(name, self._forces[name], np.array([k]))
@@ -543,6 +586,7 @@ class _Search:
                 link.name for n, link in enumerate(placed.links) if n not in self.model.bars
             ),
             slots_hold=self.slots_hold,
+            loose=self.loose,
             places=places,
             shape=moved,
         )

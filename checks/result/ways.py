@@ -276,7 +276,7 @@ def _by_forks(result: DesignResult, check: Check, settles: str) -> Iterator[Way]
         check,
         value=share,
         numerical=scale * check.numerical,
-        model=scale * check.model,
+        model=scale * (check.model if isfinite(check.model) else check.loads),
         model_below=scale * check.loads_below,
     )
     if held.status is Status.PASS:

@@ -381,6 +381,23 @@ def test_a_crank_that_turns_round_holds_a_four_bar_that_would_swing_about_its_su
     assert 223.6 / 2 < mode.effective_length < 223.6 * 1.5
 
 
+def test_a_four_bar_that_soft_forks_let_swing_about_its_supports_is_open(tmp_path, monkeypatch):
+    """The same on pins in place of a shaft, its forks unstated: any other check goes on."""
+    monkeypatch.setattr("checks.columns.linkage_frame.shafts", lambda _: frozenset())
+    (tmp_path / "four_bar.toml").write_text(FOUR_BAR, encoding="utf-8")
+    design = read_design(tmp_path / "four_bar.toml")
+    runs = solved(design)
+    stiff = worst_mode(replace(design, forks="stiff"), runs)
+    mode = worst_mode(design, runs)
+    check = linkage_check(design, mode)
+    assert (mode.factor, mode.loose, stiff.loose) == (stiff.factor, True, False)
+    assert check.status is Status.UNDECIDED
+    assert "no error bar: with soft forks the linkage moves out of the plane" in check.note
+    assert least_factor(design, runs, FreeMotions()) == stiff.factor
+    with pytest.raises(ValueError, match='without strain; state forks = "stiff"'):
+        worst_mode(replace(design, forks="soft"), runs)
+
+
 @pytest.mark.slow
 def test_a_crank_whose_block_nothing_else_holds_sideways_is_held_by_the_slot(monkeypatch):
     """Quick return, were its crank no shaft: it is pinned to the ground and to the block only."""

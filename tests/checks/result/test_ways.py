@@ -218,6 +218,10 @@ def test_forks_count_where_the_linkage_passes_with_stiff_ones():
     assert way.settles == "buckling of the linkage"
     assert way.text.endswith("its safety is then 10.0")
     assert way.command.endswith("--set 'forks=\"stiff\"'")
+    loose = replace(
+        share, value=0.1, model=inf, model_below=0.0
+    )  # of stiff forks; soft hold nothing
+    assert only(replace(design(), linkage=[loose])).text.endswith("its safety is then 10.0")
     little = replace(share, model_below=0.2, value=0.45)  # 0.25 of 0.333
     assert only(replace(design(), linkage=[little])).command
     hard = replace(share, model_below=0.2, numerical=0.1)  # 0.3 + 0.06 of 0.333
