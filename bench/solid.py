@@ -121,7 +121,7 @@ def ours(folder: Path) -> dict[str, Any]:
     """The whole cycle from the mesh to von Mises and Goodman at every surface node, by stage."""
     import fem.unit_solutions as solving
     from fatigue import goodman
-    from fem.stress_history import StressHistory
+    from fem.recovery import StressHistory
     from fem.threads import keep_freed_memory
 
     keep_freed_memory()  # as `ballesta check` does
@@ -178,8 +178,7 @@ def stock(folder: Path) -> dict[str, Any]:
     from skfem.models.elasticity import linear_elasticity
 
     from bench.scikit_fem import to_scikit_fem
-    from fem.assembly import Pattern, full, stiffness
-    from fem.elements import Elements
+    from fem.assembly import Elements, Pattern, full, stiffness
 
     mesh = pickle.loads((folder / "mesh.pickle").read_bytes())
     element = skfem.ElementVector(skfem.ElementTetP2())

@@ -7,8 +7,7 @@ from math import inf
 from checks.design.data import Part
 from checks.design.errors import Problems
 from checks.design.model import Bush, StackEntry
-from checks.handbook.fits import interferences_of
-from checks.handbook.press_fits import LARGEST, LEAST, PressFit, ring_flexibility
+from checks.handbook.fits import LARGEST, LEAST, PressFit, interferences_of, ring_flexibility
 from geometry.mesh import Interface
 from geometry.parts.pin import as_pin
 

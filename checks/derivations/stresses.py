@@ -7,8 +7,14 @@ from math import isclose, isfinite
 import numpy as np
 
 from checks.derivations.bars import solid_bars
-from checks.derivations.marin import BOOK, at_point, limit_section
-from checks.derivations.superposed import findley, patterns_of, superposed
+from checks.derivations.superposed import (
+    BOOK,
+    at_point,
+    findley,
+    limit_section,
+    patterns_of,
+    superposed,
+)
 from checks.design.data import Part
 from checks.part.derived import amplitude_and_mean, load_case, yield_stress
 from checks.part.part_loads import PartLoads

@@ -32,8 +32,7 @@ from checks.strength.load_doubts import load_bars
 from checks.strength.part_strength import elastic_of, endurance_of, fatigue_use
 from checks.stress.error_bars import Bars
 from checks.stress.judged import Judged, StaticPeak
-from checks.stress.solid_mesh_level import Level, Models
-from checks.stress.symmetry import MEANING, half_of, surface_triangles
+from checks.stress.solid_mesh_level import MEANING, Level, Models, half_of, surface_triangles
 from fem.convergence import ErrorBar
 from fem.recovery import von_mises
 from geometry.carrying import Carrier

@@ -8,9 +8,8 @@ from checks.part.part_loads import PartLoads, first_largest
 from checks.result.derivation import HandComparison
 from checks.result.words import number
 from checks.stress.solid_mesh_level import Level
-from fem.recovery import von_mises
+from fem.recovery import StressHistory, von_mises
 from fem.solvers import SolverError
-from fem.stress_history import StressHistory
 from fem.unit_loads import ACCELERATIONS
 from geometry.bars import Section
 from geometry.mesh import FloatArray

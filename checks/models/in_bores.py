@@ -21,15 +21,14 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
-from checks.models.formula_lugs import on_arc
-from checks.models.formula_points import PRESSED_IN
+from checks.models.formula_points import PRESSED_IN, on_arc
 from checks.models.shapes import shape_model
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.part.pressed_along import Uneven, that_count
 from checks.strength.fatigue_assessment import FatigueUse
 from checks.stress.stress_result import RungLevel, RungModel
-from fem.stress_history import StressHistory
+from fem.recovery import StressHistory
 from geometry.mesh import BoolArray, FloatArray, IntArray
 
 Again = Callable[[PartLoads], RungModel | None]

@@ -14,8 +14,7 @@ from geometry.mesh import FloatArray, Interface, MeshError
 from geometry.parameters import ParameterError, check_above
 from geometry.round_faces import Hole
 from geometry.shape import Body, Region, Shape
-from geometry.step_file import StepSolid, file_hash, import_solid, surveyed
-from geometry.step_plate import extruded, survey_plate
+from geometry.step_file import StepSolid, extruded, file_hash, import_solid, survey_plate, surveyed
 
 if TYPE_CHECKING:
     from geometry.slices import Slice

@@ -15,7 +15,7 @@ from fem.buckling import (
     mesh_bar,
     part_buckling,
 )
-from fem.end_conditions import holding
+from fem.mode_count import holding
 from fem.unit_loads import InterfaceLoads
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.mesh import Interface

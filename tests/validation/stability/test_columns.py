@@ -12,8 +12,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from bench.fixed_solid import fixed_solid
+from fem.assembly import Elements
 from fem.buckling import effective_length, part_buckling, solid_buckling
-from fem.elements import Elements
 from fem.unit_solutions import solve_unit_loads
 
 from ...boundary_value import unknowns
