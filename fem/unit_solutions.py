@@ -28,8 +28,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from fem.assembly import Elements, Pattern, stiffness
-from fem.leaf_stack import Ties, ties_of
+from fem.assembly import Elements, Pattern, Ties, stiffness, ties_of
 from fem.recovery import Recovery
 from fem.sliding import sliding_coefficients, sliding_loads
 from fem.solvers import Factor, chosen_fill, factorize, node_dissection

@@ -22,7 +22,6 @@ from checks.part.part_loads import interface_heights, part_placing, shown_name, 
 from checks.part.too_fine import gave_up, told_of_size
 from checks.store.store import Store
 from checks.strength.part_strength import elastic_of
-from checks.stress.kept_models import Models
 from checks.stress.solid_mesh_level import Models
 from fem.sliding import stations
 from fem.solvers import SolverError

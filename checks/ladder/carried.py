@@ -21,9 +21,8 @@ import numpy as np
 from checks.design.effort import SOLID
 from checks.ladder.chart_data import charts_of
 from checks.ladder.climb import Climb
-from checks.ladder.hand_calculations import hand_checks
 from checks.ladder.levels import COARSE, Asked, Say, level_on
-from checks.ladder.part_facts import assumed_of, gates_of, mesh_row
+from checks.ladder.part_facts import assumed_of, gates_of, hand_checks, mesh_row
 from checks.ladder.solid import RESCALED, mesh_values, solid_facts, solve_stress, stress_check
 from checks.part.loaded_part import LoadedPart
 from checks.part.pressed_along import that_count

@@ -16,7 +16,6 @@ from checks.derivations.stresses import of_solid
 from checks.design.data import Part
 from checks.ladder.chart_data import charts_of
 from checks.ladder.edge_checks import NotJudged, edge_fatigue, edge_static, known_at_edges
-from checks.ladder.hand_calculations import hand_checks
 from checks.ladder.levels import (
     EVERYTHING,
     Asked,
@@ -32,6 +31,7 @@ from checks.ladder.part_facts import (
     edges_words,
     facts_of,
     gates_of,
+    hand_checks,
     mesh_row,
 )
 from checks.ladder.part_fields import solid_fields, with_mode

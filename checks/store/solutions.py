@@ -10,8 +10,7 @@ import scipy
 
 from checks.store.fingerprints import digest
 from checks.store.store import Store
-from fem.assembly import Elements, Pattern, stiffness
-from fem.leaf_stack import ties_of
+from fem.assembly import Elements, Pattern, stiffness, ties_of
 from fem.solvers import Factor
 from fem.unit_loads import InterfaceLoads
 from fem.unit_solutions import Elastic, UnitSolutions, held_factor, solve_unit_loads
