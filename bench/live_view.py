@@ -26,7 +26,7 @@ from checks.ladder.part_fields import without_rigid_motion
 from checks.result.live_fields import EncodedPart, LiveFields
 from checks.strength.part_strength import elastic_of
 from checks.stress.solid_mesh_level import Models, mirrored, surface_triangles
-from fem.recovery import StressHistory
+from fem.stress_history import StressHistory
 from geometry.shape import Half
 from reports.live.encode import encode
 

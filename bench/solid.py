@@ -121,7 +121,7 @@ def ours(folder: Path) -> dict[str, Any]:
     """The whole cycle from the mesh to von Mises and Goodman at every surface node, by stage."""
     import fem.unit_solutions as solving
     from fatigue import goodman
-    from fem.recovery import StressHistory
+    from fem.stress_history import StressHistory
     from fem.threads import keep_freed_memory
 
     keep_freed_memory()  # as `ballesta check` does

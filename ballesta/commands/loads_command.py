@@ -8,8 +8,14 @@ from pathlib import Path
 import loads
 from ballesta.design.read import read_design
 from ballesta.machine.blows import blow_gates, blows_of, transients_of
-from ballesta.machine.drive_speed import evenness_of, speed_assumptions, speed_gates, speed_warnings
-from ballesta.machine.shown_loads import shown_cycle, shown_run
+from ballesta.machine.drive_speed import (
+    evenness_of,
+    shown_cycle,
+    shown_run,
+    speed_assumptions,
+    speed_gates,
+    speed_warnings,
+)
 from ballesta.machine.solved_cycles import (
     event_assumptions,
     part_masses,

@@ -21,8 +21,9 @@ from checks.stress.beyond_even import unevenness
 from checks.stress.pins_in_bores import CLEARANCES, MIDDLE, Contact
 from checks.stress.solid_mesh_level import Level
 from fem.contact.condensed import ALLOWED as CONTACT_LIMIT
-from fem.recovery import LARGEST_RATIO, MEANING, StressHistory, von_mises
+from fem.recovery import LARGEST_RATIO, MEANING, von_mises
 from fem.solvers import BACKWARD_LIMIT, SolverError
+from fem.stress_history import StressHistory
 from fem.unit_loads import ACCELERATIONS
 from fem.unit_solutions import has_bearings
 from geometry.bars import Section

@@ -11,9 +11,8 @@ from checks import by_formula
 from checks.columns import cylinders
 from checks.columns.linkage_frame import LINKAGE
 from checks.columns.stability import ELASTIC
-from checks.derivations.bars import rung_bars
 from checks.derivations.buckling import elastic_share
-from checks.derivations.stresses import fatigue, static
+from checks.derivations.stresses import fatigue, rung_bars, static
 from checks.design.data import Design, Part
 from checks.design.effort import AUTO, FORMULA, SOLID, SWEPT
 from checks.design.effort import DEFAULT_EFFORT as DEFAULT_EFFORT

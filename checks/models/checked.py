@@ -48,7 +48,7 @@ from checks.strength.part_strength import endurance_of
 from checks.strength.sampling import buckling_rise, fatigue_rise, static_rise, with_sampling
 from checks.stress.duty_verdict import duty_runs, most_used
 from checks.stress.stress_result import ElasticLoad, RungLevel, RungModel, judge
-from fem.recovery import StressHistory
+from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray, IntArray
 
 GUARD = 1.5  # times the bars of a rung: what climbing stops at must not flip by a solid

@@ -13,7 +13,7 @@ from checks.handbook.lug_stress import Lug, cartesian, polar
 from checks.handbook.pin_loaded_hole import PATTERNS, ComplexArray, patterns_of
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import ElasticLoad, RungModel, UnitName, no_answer
-from fem.recovery import StressHistory
+from fem.stress_history import StressHistory
 from fem.unit_loads import ACCELERATIONS, IN_PLANE, bearing_coefficients, harmonics_of
 from geometry.mesh import FloatArray, IntArray
 

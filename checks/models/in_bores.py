@@ -28,7 +28,7 @@ from checks.part.part_loads import PartLoads
 from checks.part.pressed_along import Uneven, that_count
 from checks.strength.fatigue_assessment import FatigueUse
 from checks.stress.stress_result import RungLevel, RungModel
-from fem.recovery import StressHistory
+from fem.stress_history import StressHistory
 from geometry.mesh import BoolArray, FloatArray, IntArray
 
 Again = Callable[[PartLoads], RungModel | None]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from fem.recovery import DEVIATOR
+from fem.stress_history import DEVIATOR
 from geometry.mesh import FloatArray, IntArray
 
 if TYPE_CHECKING:

@@ -27,7 +27,7 @@ from checks.strength.fatigue_assessment import FatigueUse, LifeUse
 from checks.strength.load_doubts import doubted
 from checks.stress.stress_result import ElasticLoad, RungModel, Stressed
 from fatigue.stress_path import deviatoric_basis
-from fem.recovery import StressHistory
+from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray, IntArray
 
 PIECES = 8  # of a step between two positions

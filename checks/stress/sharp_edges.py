@@ -16,8 +16,9 @@ from checks.stress.pins_in_bores import Contact
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import Stressed, judge
 from fem.notch_intensity import REACH, NotchIntensity, has_room, notch_intensity, room_at
-from fem.recovery import StressHistory, von_mises
+from fem.recovery import von_mises
 from fem.singularity import EdgePlaces, singular_exponent
+from fem.stress_history import StressHistory
 from fem.unit_solutions import UnitSolutions, solve_unit_loads
 from geometry.mesh import FloatArray, IntArray
 

@@ -18,7 +18,7 @@ from checks.stress.pins_in_bores import Contact, PinnedBores
 from checks.stress.stress_result import Stressed, depth_of, judge
 from fem.convergence import ORDER
 from fem.gradient import inward_normals
-from fem.recovery import StressHistory, tensor, von_mises
+from fem.recovery import tensor, von_mises
 from fem.singularity import (
     EdgePlaces,
     across_notches,
@@ -28,6 +28,7 @@ from fem.singularity import (
     pressed_edges,
     reentrant_edges,
 )
+from fem.stress_history import StressHistory
 from fem.unit_loads import ACCELERATIONS, IN_PLANE, inertia_of, resultants
 from fem.unit_solutions import UnitSolutions, bore_openings, even_columns
 from geometry.mesh import SYMMETRY, FloatArray, IntArray, MassProperties, Mesh

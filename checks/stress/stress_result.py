@@ -21,7 +21,7 @@ import numpy as np
 from checks.part.part_loads import PartLoads, first_largest
 from checks.result.derivation import Item
 from checks.stress.duty_verdict import DutyVerdict, FatiguePeak, duty_runs, duty_verdict
-from fem.recovery import StressHistory
+from fem.stress_history import StressHistory
 from geometry.mesh import FloatArray, Interface
 
 # Of a unit load: its name with where it acts, and the unit of its coefficient.

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from checks.result.live_fields import LiveFields, largest_principal
-from fem.recovery import DEVIATOR
+from fem.stress_history import DEVIATOR
 from geometry.mesh import FloatArray, IntArray
 
 # Rows whose squares sum up to that of the von Mises stress, and the mean stress.

@@ -8,7 +8,7 @@ from fem.contact.bore import bore_harmonics
 from fem.contact.condensed import ALLOWED, ContactError
 from fem.contact.cycle import FittedPin, PartContact
 from fem.contact.superposed import PATTERNS, superposed
-from fem.recovery import StressHistory
+from fem.stress_history import StressHistory
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.mesh import MeshError
 from geometry.meshing import mesh_shape

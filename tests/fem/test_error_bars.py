@@ -13,8 +13,9 @@ from fem.convergence import (
     growth_exponent,
     moves_like_singular,
 )
-from fem.recovery import StressHistory, von_mises
+from fem.recovery import von_mises
 from fem.singularity import reentrant_edges, singular_exponent
+from fem.stress_history import StressHistory
 from geometry.meshing import mesh_shape
 from geometry.parts import Seat
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.recovery import StressHistory, von_mises
+from fem.recovery import von_mises
+from fem.stress_history import StressHistory
 
 
 def random_history(n_points, n_positions, n_basis=5):
@@ -21,8 +22,8 @@ def test_peaks_by_position_are_those_of_the_stress_written_out(monkeypatch, numb
 
     Round-off of a sum of five.
     """
-    monkeypatch.setattr("fem.recovery._NUMBERS", numbers)
-    monkeypatch.setattr("fem.recovery._FEW", few)
+    monkeypatch.setattr("fem.stress_history._NUMBERS", numbers)
+    monkeypatch.setattr("fem.stress_history._FEW", few)
     history = random_history(37, 41)
     peaks, where = history.peaks_by_position()
     for k in range(41):
@@ -33,7 +34,7 @@ def test_peaks_by_position_are_those_of_the_stress_written_out(monkeypatch, numb
 
 @pytest.mark.parametrize("numbers", [100_000, 600, 1])
 def test_peaks_by_point_are_those_of_the_stress_written_out(monkeypatch, numbers):
-    monkeypatch.setattr("fem.recovery._NUMBERS", numbers)
+    monkeypatch.setattr("fem.stress_history._NUMBERS", numbers)
     history = random_history(37, 41)
     stresses = [von_mises(history.at(k)) for k in range(41)]
     assert_allclose(history.peaks_by_point(), np.max(stresses, axis=0), rtol=1e-14)
@@ -45,5 +46,5 @@ def test_of_equal_peaks_the_first_point_is_named(monkeypatch):
         np.arange(6), np.zeros((6, 3)), np.tile(history.basis, (2, 1, 1)), history.coefficients
     )
     for numbers in (100_000, 1):
-        monkeypatch.setattr("fem.recovery._NUMBERS", numbers)
+        monkeypatch.setattr("fem.stress_history._NUMBERS", numbers)
         assert (twice.peaks_by_position()[1] < 3).all()

@@ -5,7 +5,7 @@ import pytest
 
 from checks.models.checked import static_values, with_peaks
 from checks.stress.stress_result import RungModel
-from fem.recovery import StressHistory
+from fem.stress_history import StressHistory
 
 COUNT = 24
 

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from checks.stress.solid_mesh_level import Level
-from fem.recovery import StressHistory
+from fem.stress_history import StressHistory
 
 ALONG, ACROSS, SHEAR = ([row] for row in np.eye(6)[[0, 1, 3]].tolist())
 

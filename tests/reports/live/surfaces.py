@@ -3,7 +3,7 @@
 import numpy as np
 
 from checks.result.live_fields import LiveFields, LivePeak, von_mises
-from fem.recovery import StressHistory
+from fem.stress_history import StressHistory
 
 
 def torus(around=36, across=20, radius=100.0, tube=30.0):

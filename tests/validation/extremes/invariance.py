@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fatigue import goodman
-from fem.recovery import StressHistory, von_mises
+from fem.recovery import von_mises
+from fem.stress_history import StressHistory
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.mesh import Mesh
 from geometry.meshing import mesh_shape
