@@ -19,9 +19,9 @@ from checks.design.data import Cycle, Design, Pair, Part
 from checks.design.errors import DesignError, NumericsError
 from checks.part.loaded_part import FIRST
 from checks.part.part_loads import interface_heights, part_placing, shown_name, shown_position
-from checks.part.too_fine import gave_up, told_of_size
 from checks.store.store import Store
 from checks.strength.part_strength import elastic_of
+from checks.stress.kept_models import gave_up, told_of_size
 from checks.stress.solid_mesh_level import Models
 from fem.sliding import stations
 from fem.solvers import SolverError
