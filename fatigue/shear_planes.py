@@ -93,7 +93,6 @@ class CriticalPlane:
     normal_stress  MPa, sigma_n as the criterion counts it
     shear          (2, n_positions)  MPa, along two axes of the plane
     stress         (6, n_positions)  MPa, the path
-    angle_error    rad, edge of the last triangles of the search
     n_planes       planes evaluated
 
     Of most planes nothing but the value is asked, so the rest is found when it is.
@@ -105,7 +104,6 @@ class CriticalPlane:
     normal_stress: float
     shear: FloatArray
     stress: FloatArray
-    angle_error: float
     n_planes: int
 
     @cached_property
@@ -192,21 +190,19 @@ class _Search:
             cells = self._divide(cells)
             edges = longest_edges(self.normals, cells)
         bound = max(self.best, top, ceiling)
-        finest = float(edges.max())
         if self.best > self.floor and len(cells):
-            finest = self._polish(cells)
+            self._polish(cells)
             bound = max(bound, self.best)
-        return self._plane(bound, finest)
+        return self._plane(bound)
 
-    def _polish(self, cells: IntArray) -> float:
-        """Divide the most promising triangles down to _FINEST and return their longest edge."""
+    def _polish(self, cells: IntArray) -> None:
+        """Divide the most promising triangles down to _FINEST."""
         finest = np.inf
         while finest > _FINEST:
             cells = self._divide(cells[np.argsort(-self.upper[cells].max(axis=1))[:_BEAM]])
             new = np.unique(cells)
             self._sharpen(new[~self.exact[new] & (self.upper[new] > self.best)])
             finest = float(longest_edges(self.normals, cells).max())
-        return finest
 
     def _divide(self, cells: IntArray) -> IntArray:
         edges, four = divided(len(self.normals), cells)
@@ -243,7 +239,7 @@ class _Search:
         largest = normal.max(axis=1)
         return shear, np.maximum(largest, (largest - normal.min(axis=1)) / 2.0)
 
-    def _plane(self, bound: float, finest: float) -> CriticalPlane:
+    def _plane(self, bound: float) -> CriticalPlane:
         normal = self.normals[self.best_at]
         shear, counted = self._resolved(self.rows[self.best_at : self.best_at + 1])
         return CriticalPlane(
@@ -253,7 +249,6 @@ class _Search:
             normal_stress=float(counted[0]),
             shear=shear[0],
             stress=self.stress,
-            angle_error=finest,
             n_planes=len(self.normals),
         )
 

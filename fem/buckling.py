@@ -245,21 +245,6 @@ def solid_buckling(
     return Buckling(modes, found.proven / size, turned, limit / size)
 
 
-def effective_length(force: float, youngs_modulus: float, inertia: float) -> float:
-    """Length of the hinged column that buckles at the same force, mm: pi sqrt(E I / force).
-
-    force    N, at which the part buckles
-    inertia  mm4, of the section in the plane of the mode
-
-    >>> round(effective_length(20726.169, 210e3, 1e4), 3)
-    1000.0
-    """
-    for name, value in (("force", force), ("modulus", youngs_modulus), ("inertia", inertia)):
-        if not value > 0:
-            raise ValueError(f"the effective length needs a {name} above 0, got {value}")
-    return float(np.pi * np.sqrt(youngs_modulus * inertia / force))
-
-
 def _mode(factor: float, vector: FloatArray) -> BucklingMode:
     shape = vector.reshape(-1, 3)
     shape = shape / np.abs(shape).max()
