@@ -460,7 +460,7 @@ def materials(
     name: Annotated[str, typer.Argument(help="a material, to see all of its values")] = "",
 ) -> None:
     """List the materials that ballesta knows, or all values of one and where they are from."""
-    from ballesta.commands.materials_command import materials_text
+    from ballesta.design.authoring import materials_text
     from ballesta.run import guarded
 
     raise typer.Exit(guarded(lambda: print(materials_text(name))))

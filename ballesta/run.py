@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from ballesta.unfinished import Keep
     from checks.design.effort import Effort
     from checks.result.verdict import DesignResult
-    from checks.store.results import KeptResult
-    from checks.store.store import Store
+    from checks.store.store import KeptResult, Store
     from reports.pictures import Pictures
 
 Say = Callable[[str], None]
@@ -206,7 +205,7 @@ def check_to_folder(
     Raises DesignError (also for a folder that cannot be written) and NumericsError.
     """
     from checks.design.effort import DEFAULT_EFFORT
-    from checks.store.results import keep_files, recalled_result
+    from checks.store.store import keep_files, recalled_result
     from reports.live.section import has_fields, without_fields
     from reports.pictures import drawing, prepare_drawing
 
@@ -237,7 +236,7 @@ def check_to_folder(
 
     from ballesta.pipeline import check_with_cycles
     from ballesta.sweeps.improve import with_changes
-    from checks.store.results import keep_result
+    from checks.store.store import keep_result
     from reports.answer_facts import first_word
     from reports.live.section import with_encoded_fields
 

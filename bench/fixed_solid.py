@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from fem.assembly import Pattern, full, stiffness
-from fem.elements import Elements
-from fem.end_conditions import SupportedSolid, check_whole, supported
+from fem.assembly import Elements, Pattern, full, stiffness
 from fem.lowest_modes import Vibration, mass, solid_vibration
+from fem.mode_count import SupportedSolid, check_whole, supported
 from fem.solvers import factorize, node_dissection
 from fem.unit_solutions import Elastic, UnitSolutions, rigid_modes
 from geometry.mesh import FloatArray, IntArray, Mesh

@@ -25,8 +25,7 @@ from ballesta.design.read import read_design
 from checks.ladder.part_fields import without_rigid_motion
 from checks.result.live_fields import EncodedPart, LiveFields
 from checks.strength.part_strength import elastic_of
-from checks.stress.solid_mesh_level import Models
-from checks.stress.symmetry import mirrored, surface_triangles
+from checks.stress.solid_mesh_level import Models, mirrored, surface_triangles
 from fem.stress_history import StressHistory
 from geometry.shape import Half
 from reports.live.encode import encode

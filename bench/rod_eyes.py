@@ -6,7 +6,7 @@ python -m bench.rod_eyes --fit         writes checks/models/rod_eyes.json, says 
 An eye of 100 mm and its shank, cut where the eye is no longer felt, are solved as half a part at
 z >= 0. The cut takes the force and couple of each pattern as a bar's end does. Proportions are
 drawn by Sobol's sequence; three of ten shanks are solid. A line of JSON holds an eye's proportions,
-its v at the places of `checks.models.rod_eyes` and its largest von Mises stress.
+its v at the places of `checks.models.shapes.tube_rod` and its largest von Mises stress.
 """
 
 import argparse
@@ -24,8 +24,7 @@ from scipy.spatial import cKDTree
 from scipy.stats import qmc
 
 from checks.handbook.pin_loaded_hole import PATTERNS
-from checks.models import rod_eyes
-from checks.models.rod_eyes import (
+from checks.models.shapes.tube_rod import (
     ALONG,
     ANGLES,
     ARC,
@@ -56,7 +55,7 @@ from geometry.parts._plates import bore_at
 from geometry.shape import Body, Half, Region, faces_where
 
 FILE = Path(__file__).parent / "rungs" / "rod_eyes.jsonl"
-FIT = Path(rod_eyes.__file__).with_suffix(".json")
+FIT = Path(__file__).parents[1] / "checks/models/rod_eyes.json"
 EYE = 100.0  # mm
 SEED = 20261127
 STEEL = Elastic(210e3, 0.3, 7.85e-9)
@@ -190,7 +189,7 @@ def solved(rod: TubeRod, fineness: float = FINENESS) -> tuple[FloatArray, FloatA
 
 
 def places_of(rod: TubeRod, points: FloatArray, stress: FloatArray) -> dict[str, FloatArray]:
-    """Stress (rows, along, 2, 8) at the places of `checks.models.rod_eyes`, by kind.
+    """Stress (rows, along, 2, 8) at the places of `checks.models.shapes.tube_rod`, by kind.
 
     points, stress  as `solved` gives them
     """

@@ -24,7 +24,6 @@ from bench.rung_variations import SCENES, Machines, Variation
 from checks.design.effort import FORMULA
 from checks.models import shapes
 from checks.models.bands import of_buckling, proportions_of
-from checks.models.beams import LONG
 from checks.models.checked import (
     BUCKLING,
     BY_STRESS,
@@ -36,6 +35,7 @@ from checks.models.checked import (
 )
 from checks.models.in_bores import Arcs, arcs_of, in_bores
 from checks.models.shapes import family_of
+from checks.models.shapes.beams import LONG
 from checks.part.loaded_part import LoadedPart
 from checks.strength.part_strength import fatigue_use
 from fem.solvers import SolverError

@@ -178,8 +178,7 @@ def stock(folder: Path) -> dict[str, Any]:
     from skfem.models.elasticity import linear_elasticity
 
     from bench.scikit_fem import to_scikit_fem
-    from fem.assembly import Pattern, full, stiffness
-    from fem.elements import Elements
+    from fem.assembly import Elements, Pattern, full, stiffness
 
     mesh = pickle.loads((folder / "mesh.pickle").read_bytes())
     element = skfem.ElementVector(skfem.ElementTetP2())

@@ -27,7 +27,7 @@ from scipy.stats import qmc
 
 from ballesta.design.read import read_design
 from ballesta.machine.runs import doubts_of, run_machine
-from ballesta.sweeps.neighbours import STEP, Neighbours
+from ballesta.sweeps.sweep import STEP, Neighbours
 from checks.design.errors import DesignError
 from checks.ladder.carried import carried_result, judged_of
 from checks.ladder.climb import start_climb

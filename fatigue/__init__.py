@@ -38,8 +38,13 @@ from fatigue.marin import (
     round_equivalent_diameter,
 )
 from fatigue.proportionality import PathBounds, path_bounds
-from fatigue.shear_planes import CriticalPlane, FindleyCriterion, critical_plane, findley_criterion
-from fatigue.smallest_circle import smallest_circles
+from fatigue.shear_planes import (
+    CriticalPlane,
+    FindleyCriterion,
+    critical_plane,
+    findley_criterion,
+    smallest_circles,
+)
 from fatigue.sn_curve import SNCurve, basquin_curve, low_cycle_fraction
 from fatigue.stress_path import COMPONENTS, principal_stresses, von_mises, von_mises_peaks
 from fatigue.verdict import Verdict, ductile_verdict

@@ -21,13 +21,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from fatigue.longest_chord import TiedChords, longest_chords
 from fatigue.stress_path import (
     FloatArray,
     IntArray,
+    TiedChords,
     check_history,
     checked_cycles,
     deviatoric_basis,
+    longest_chords,
     point_blocks,
     principal_stresses,
     with_fewer_loads,

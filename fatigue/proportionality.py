@@ -30,8 +30,8 @@ from math import pi, sqrt
 
 import numpy as np
 
-from fatigue.longest_chord import TIE
 from fatigue.stress_path import (
+    TIE,
     FloatArray,
     check_history,
     deviatoric_basis,

@@ -19,6 +19,17 @@ around the path and Q the largest stress, both von Mises. So on a triangle of pl
 edge e, F is at most its largest corner + M e^2/4. Triangles that cannot reach the best plane found
 are dropped, the others divided; what is left encloses the critical plane, and no local maximum is
 mistaken for the global one.
+
+The shear amplitude on a plane is the radius of the smallest circle around the path of the resolved
+shear stress (Bernasconi and Papadopoulos, Comput. Mater. Sci. 34 (2005) 355), not half its longest
+chord: around an equilateral triangle the two differ by 2/sqrt(3) (Jung).
+
+Method, exact up to round-off: 2 or 3 positions carry the circle. Whatever position lies farthest
+outside the circle of the carriers joins them; the circle of the enlarged set, found by trying all
+of its subsets, has a larger radius, so no set comes twice and the search ends (an LP-type problem:
+Sharir and Welzl 1992). A candidate's worth is the distance of the farthest member of the set from
+its centre; the smallest circle is the least of these, so degenerate candidates (equal or collinear
+positions) lose without a test for them.
 """
 
 from __future__ import annotations
@@ -29,7 +40,6 @@ from math import isfinite, sqrt
 
 import numpy as np
 
-from fatigue.smallest_circle import smallest_circles
 from fatigue.stress_path import FloatArray, IntArray, deviatoric_basis
 
 DUCTILE = 1.0 / sqrt(3.0)  # torsion limit over bending limit, distortion energy
@@ -40,6 +50,9 @@ _MOST_CELLS = 4096  # circles of equally bad planes keep many; then the bound st
 _BEAM = 16  # triangles kept when the certified search is over and the best plane is polished
 _FINEST = 1e-6  # rad
 _EYE = np.eye(3)
+# A position farther out than this fraction of the radius joins the carriers; round-off is smaller.
+_OUTSIDE = 1e-13
+_MOST_STEPS = 1000  # reached by no path seen: 3 to 8 steps are usual
 
 
 @dataclass(frozen=True)
@@ -80,7 +93,6 @@ class CriticalPlane:
     normal_stress  MPa, sigma_n as the criterion counts it
     shear          (2, n_positions)  MPa, along two axes of the plane
     stress         (6, n_positions)  MPa, the path
-    angle_error    rad, edge of the last triangles of the search
     n_planes       planes evaluated
 
     Of most planes nothing but the value is asked, so the rest is found when it is.
@@ -92,7 +104,6 @@ class CriticalPlane:
     normal_stress: float
     shear: FloatArray
     stress: FloatArray
-    angle_error: float
     n_planes: int
 
     @cached_property
@@ -179,21 +190,19 @@ class _Search:
             cells = self._divide(cells)
             edges = longest_edges(self.normals, cells)
         bound = max(self.best, top, ceiling)
-        finest = float(edges.max())
         if self.best > self.floor and len(cells):
-            finest = self._polish(cells)
+            self._polish(cells)
             bound = max(bound, self.best)
-        return self._plane(bound, finest)
+        return self._plane(bound)
 
-    def _polish(self, cells: IntArray) -> float:
-        """Divide the most promising triangles down to _FINEST and return their longest edge."""
+    def _polish(self, cells: IntArray) -> None:
+        """Divide the most promising triangles down to _FINEST."""
         finest = np.inf
         while finest > _FINEST:
             cells = self._divide(cells[np.argsort(-self.upper[cells].max(axis=1))[:_BEAM]])
             new = np.unique(cells)
             self._sharpen(new[~self.exact[new] & (self.upper[new] > self.best)])
             finest = float(longest_edges(self.normals, cells).max())
-        return finest
 
     def _divide(self, cells: IntArray) -> IntArray:
         edges, four = divided(len(self.normals), cells)
@@ -230,7 +239,7 @@ class _Search:
         largest = normal.max(axis=1)
         return shear, np.maximum(largest, (largest - normal.min(axis=1)) / 2.0)
 
-    def _plane(self, bound: float, finest: float) -> CriticalPlane:
+    def _plane(self, bound: float) -> CriticalPlane:
         normal = self.normals[self.best_at]
         shear, counted = self._resolved(self.rows[self.best_at : self.best_at + 1])
         return CriticalPlane(
@@ -240,7 +249,6 @@ class _Search:
             normal_stress=float(counted[0]),
             shear=shear[0],
             stress=self.stress,
-            angle_error=finest,
             n_planes=len(self.normals),
         )
 
@@ -368,3 +376,80 @@ def half_sphere(n_divisions: int) -> tuple[FloatArray, IntArray]:
         normals = np.concatenate([normals, middles(normals, edges)])
     used, renamed = np.unique(cells, return_inverse=True)
     return normals[used], renamed.reshape(cells.shape)
+
+
+def smallest_circles(paths: FloatArray) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Return the smallest circles around plane paths (n_paths, 2, n_positions).
+
+    Centres (n_paths, 2), radii (n_paths,) and the positions that carry them (n_paths, 3), of which
+    some may be equal. The radius is the distance of the farthest position from the centre.
+
+    >>> square = np.array([[[0.0, 60.0, 60.0, 0.0], [0.0, 0.0, 80.0, 80.0]]])
+    >>> smallest_circles(square)[1].tolist()
+    [50.0]
+    """
+    n_paths = len(paths)
+    middle = (paths.max(axis=2) + paths.min(axis=2)) / 2.0
+    first = _squared_distances(paths, middle).argmax(axis=1)
+    rows = np.arange(n_paths)
+    other = _squared_distances(paths, paths[rows, :, first]).argmax(axis=1)
+    carriers = np.stack([first, other, other], axis=1)
+    centre = (paths[rows, :, first] + paths[rows, :, other]) / 2.0
+    within = ((paths[rows, :, first] - centre) ** 2).sum(axis=1)
+    squared = np.empty(n_paths)
+    active = rows
+    for _ in range(_MOST_STEPS):
+        some = paths[active] if len(active) < n_paths else paths
+        distances = _squared_distances(some, centre[active])
+        farthest = distances.argmax(axis=1)
+        squared[active] = distances[np.arange(len(active)), farthest]
+        outside = squared[active] > within[active] * (1.0 + 2.0 * _OUTSIDE)
+        active, farthest = active[outside], farthest[outside]
+        if not len(active):
+            return centre, np.sqrt(squared), carriers
+        members = np.concatenate([carriers[active], farthest[:, None]], axis=1)
+        corners = np.swapaxes(paths[active[:, None], :, members], 1, 2)  # (n, 2, 4)
+        found, worth, chosen = _circle_of_four(corners)
+        grown = worth > within[active]  # else only round-off is left
+        active, members, chosen = active[grown], members[grown], chosen[grown]
+        centre[active], within[active] = found[grown], worth[grown]
+        carriers[active] = members[np.arange(len(active))[:, None], chosen]
+        if not len(active):
+            return centre, np.sqrt(squared), carriers
+    raise AssertionError("the smallest circle did not settle")
+
+
+# The last of four members lies outside the circle of the others, so it carries the new one.
+_PAIRS_OF_FOUR = np.array([[0, 3], [1, 3], [2, 3]])
+_TRIPLES_OF_FOUR = np.array([[0, 1, 3], [0, 2, 3], [1, 2, 3]])
+_SETS_OF_FOUR = np.vstack([np.pad(_PAIRS_OF_FOUR, ((0, 0), (0, 1)), mode="edge"), _TRIPLES_OF_FOUR])
+
+
+def _circle_of_four(corners: FloatArray) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Return centre (n, 2), squared radius (n,) and carriers (n, 3) of circles around (n, 2, 4)."""
+    base = corners[:, :, 3:4]
+    pairs = (corners[:, :, :3] + base) / 2.0
+    a = corners[:, :, _TRIPLES_OF_FOUR[:, 0]] - base
+    b = corners[:, :, _TRIPLES_OF_FOUR[:, 1]] - base
+    twice_area = 2.0 * (a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+    aa, bb = (side[:, 0] ** 2 + side[:, 1] ** 2 for side in (a, b))
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        x = (b[:, 1] * aa - a[:, 1] * bb) / twice_area
+        y = (a[:, 0] * bb - b[:, 0] * aa) / twice_area
+        triples = base + np.stack([x, y], axis=1)
+        centres = np.concatenate([pairs, triples], axis=2)  # (n, 2, 6)
+        away = (corners[:, :, None, :] - centres[:, :, :, None]) ** 2
+        squared = (away[:, 0] + away[:, 1]).max(axis=2)
+    worth = np.where(np.isfinite(squared), squared, np.inf)
+    best = worth.argmin(axis=1)
+    rows = np.arange(len(corners))
+    return centres[rows, :, best], worth[rows, best], _SETS_OF_FOUR[best]
+
+
+def _squared_distances(paths: FloatArray, points: FloatArray) -> FloatArray:
+    away = paths[:, 0] - points[:, 0, None]
+    away *= away
+    across = paths[:, 1] - points[:, 1, None]
+    across *= across
+    away += across
+    return away

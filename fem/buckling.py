@@ -8,19 +8,32 @@ its push goes through its axis.
 
 The largest mu of -K_s x = mu K x is found, so that the load factor 1/mu is right at any size of the
 load and tension gives no positive factor; that no lower one was skipped is proven by a count.
+
+The position of a cycle that buckles first is found without solving all of them. The geometric
+stiffness is linear in the unit loads. The modes of a few load states that all positions are made
+of, of either sign, are displacement fields that the part could take at any; the largest mu of -K_s
+x = mu K x among them, at every position, is never above the true one (Rayleigh and Ritz), and close
+to it where the part buckles alike. The position where it is largest is solved next, its modes join,
+until the position that looks worst has been solved. The reported factor is a solved one; that no
+other position has a lower one is not proved but sought.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from fem.assembly import full, geometric_stiffness
-from fem.end_conditions import SupportedSolid, link_solid, surface_weights
-from fem.load_states import leading_states, worst_position
 from fem.lowest_modes import lowest_modes
-from fem.mode_count import LowRank, elastic_and_geometric_energy, geometric_forms
+from fem.mode_count import (
+    LowRank,
+    SupportedSolid,
+    elastic_and_geometric_energy,
+    geometric_forms,
+    link_solid,
+    surface_weights,
+)
 from fem.recovery import energy_error, tensor
 from fem.solvers import SolverError
 from fem.unit_solutions import UnitSolutions
@@ -38,6 +51,10 @@ _SEEN = 4  # modes whose error is estimated
 # A mode that needs a larger elastic stress than this share of Young's modulus somewhere is none of
 # a structure; pi^2 / slenderness^2 of a column of slenderness 5 is 0.39.
 _STRESS_LIMIT = 1.0
+_MOST = 6  # positions that are solved
+_TIE = 1e-6  # shares that are closer are equal: the first position is named
+_PATTERNS = 4  # load states whose modes are taken to begin with
+_SMALL = 0.1  # of the largest state: what is left of all states counts as known
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,21 +245,6 @@ def solid_buckling(
     return Buckling(modes, found.proven / size, turned, limit / size)
 
 
-def effective_length(force: float, youngs_modulus: float, inertia: float) -> float:
-    """Length of the hinged column that buckles at the same force, mm: pi sqrt(E I / force).
-
-    force    N, at which the part buckles
-    inertia  mm4, of the section in the plane of the mode
-
-    >>> round(effective_length(20726.169, 210e3, 1e4), 3)
-    1000.0
-    """
-    for name, value in (("force", force), ("modulus", youngs_modulus), ("inertia", inertia)):
-        if not value > 0:
-            raise ValueError(f"the effective length needs a {name} above 0, got {value}")
-    return float(np.pi * np.sqrt(youngs_modulus * inertia / force))
-
-
 def _mode(factor: float, vector: FloatArray) -> BucklingMode:
     shape = vector.reshape(-1, 3)
     shape = shape / np.abs(shape).max()
@@ -380,3 +382,68 @@ def shares_of(solutions: UnitSolutions, coefficients: FloatArray, fields: FloatA
     forms = whiten.T @ forms @ whiten
     states = -np.tensordot(coefficients.T, forms, axes=1)
     return np.asarray(np.linalg.eigvalsh(states)[:, -1])
+
+
+def leading_states(measure: FloatArray, coefficients: FloatArray) -> list[FloatArray]:
+    """Load states (n_basis,) that those of all positions are made of, to a tenth of the largest.
+
+    What each position adds to the ones before it, the largest first.
+
+    measure       (m, n_basis) of each unit load: a state's size is the norm of its combination
+    coefficients  (n_basis, n) of the unit loads at the positions
+    """
+    left = np.linalg.qr(measure, mode="r") @ coefficients
+    states = coefficients.copy()
+    largest = float(np.linalg.norm(left, axis=0).max(initial=0.0))
+    found: list[FloatArray] = []
+    while largest > 0.0 and len(found) < _PATTERNS:
+        sizes = np.linalg.norm(left, axis=0)
+        most = int(sizes.argmax())
+        if sizes[most] < _SMALL * largest:
+            break
+        found.append(states[:, most].copy())
+        along = (left[:, most] @ left) / sizes[most] ** 2
+        states -= np.outer(found[-1], along)
+        left -= np.outer(left[:, most].copy(), along)
+    return found
+
+
+def worst_position(
+    solve: Callable[[int], tuple[float, FloatArray]],
+    shares: Callable[[FloatArray], FloatArray],
+    fields: Sequence[FloatArray],
+    *,
+    starts: Sequence[int] = (),
+    close: float,
+) -> tuple[int, float] | None:
+    """Return the position with the largest share of its buckling load found, and the share.
+
+    solve   a position's share of its lowest buckling load, 0 without one, and its modes (m, k)
+    shares  fields (m, k) to the share (n,) that each position has at least
+    fields  (m, k) each, of the leading states
+    starts  positions solved first
+    close   an estimate that is this near the largest share asks for no further position
+
+    None where no position buckles.
+    """
+    known, solved = list(fields), dict[int, float]()
+    waiting = list(dict.fromkeys(starts))
+    while len(solved) < _MOST:
+        if not waiting:
+            together = np.hstack(known) if known else np.zeros((0, 0))
+            if not together.shape[1]:
+                break
+            estimates = shares(together)
+            estimates[list(solved)] = 0.0
+            likely = int(np.argmax(estimates))
+            if not close * estimates[likely] > max(solved.values(), default=0.0):
+                break
+            waiting.append(likely)
+        position = waiting.pop(0)
+        solved[position], modes = solve(position)
+        known.append(modes)
+    largest = max(solved.values(), default=0.0)
+    if not largest > 0.0:
+        return None
+    worst = min(k for k, share in solved.items() if share * (1.0 + _TIE) >= largest)
+    return worst, solved[worst]

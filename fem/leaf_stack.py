@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.ties import bodies_of
+from fem.assembly import bodies_of
 from fem.unit_solutions import UnitSolutions
 from geometry.mesh import FloatArray, IntArray
 

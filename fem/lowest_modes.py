@@ -17,8 +17,13 @@ import numpy as np
 import scipy
 
 from fem.assembly import Pattern, full
-from fem.end_conditions import SupportedSolid, link_solid
-from fem.mode_count import LowRank, count_below, elastic_and_geometric_energy
+from fem.mode_count import (
+    LowRank,
+    SupportedSolid,
+    count_below,
+    elastic_and_geometric_energy,
+    link_solid,
+)
 from fem.solvers import SolverError
 from fem.unit_solutions import UnitSolutions
 from geometry.mesh import FloatArray

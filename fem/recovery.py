@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from fem.elements import Elements
+from fem.assembly import Elements
 from fem.singularity import pressed_edges
 from geometry.mesh import BoolArray, FloatArray, IntArray, MeshError
 from geometry.sizing import SizeField, element_sizes, size_field

@@ -25,7 +25,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.elements import Elements
+from fem.assembly import Elements
 from fem.unit_loads import InterfaceLoads, with_resultants
 from geometry.mesh import FloatArray, IntArray, Interface, Mesh, MeshError
 

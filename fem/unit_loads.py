@@ -24,7 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.elements import Elements, FacetQuadrature
+from fem.assembly import Elements, FacetQuadrature
 from geometry.mesh import FloatArray, Interface, MassProperties, MeshError
 
 HARMONICS = (0, 1, 2, 4)

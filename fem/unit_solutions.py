@@ -28,12 +28,10 @@ from typing import Any
 import numpy as np
 import scipy
 
-from fem.assembly import Pattern, stiffness
-from fem.elements import Elements
+from fem.assembly import Elements, Pattern, Ties, stiffness, ties_of
 from fem.recovery import Recovery
 from fem.sliding import sliding_coefficients, sliding_loads
 from fem.solvers import Factor, chosen_fill, factorize, node_dissection
-from fem.ties import Ties, ties_of
 from fem.unit_loads import (
     ACCELERATIONS,
     InterfaceLoads,

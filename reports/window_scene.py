@@ -14,7 +14,7 @@ import numpy as np
 from checks.result.live_fields import FATIGUE, LiveFields, von_mises, with_required_safety
 from checks.result.verdict import DesignResult
 from checks.result.words import brief, number, place_text
-from checks.store.records import from_record, to_record
+from checks.store.store import from_record, to_record
 from geometry.mesh import FloatArray
 
 FIELDS = {

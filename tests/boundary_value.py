@@ -12,8 +12,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from fem.assembly import Pattern, full, stiffness
-from fem.elements import Elements, FacetQuadrature
+from fem.assembly import Elements, FacetQuadrature, Pattern, full, stiffness
 from fem.recovery import Recovery
 from fem.solvers import Factor, factorize
 from fem.unit_solutions import Elastic, rigid_modes

@@ -14,7 +14,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from checks.design.measured_entry import Unit
+from checks.design.file_entries import Point, Unit
 from checks.design.model import (
     BeamPartEntry,
     BodyPartEntry,
@@ -24,7 +24,6 @@ from checks.design.model import (
     PlatePartEntry,
     StepPartEntry,
 )
-from checks.design.step_entry import Point
 from checks.design.units import DIMENSIONS, PAIRS, AnyQuantity, FitOrClearance, Quantity, Vector
 from geometry.parts import SHAPES
 

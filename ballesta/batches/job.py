@@ -211,9 +211,9 @@ def _checked(job: Job, sources: dict[str, str]) -> "DesignResult":
     from ballesta.design.read import read_design
     from ballesta.pipeline import check_design
     from ballesta.run import check_to_folder, progress
-    from ballesta.sweeps.neighbours import Neighbours
+    from ballesta.sweeps.sweep import Neighbours
     from checks.design.effort import effort_of
-    from checks.store.results import keep_result, recalled_result
+    from checks.store.store import keep_result, recalled_result
     from reports.files import write_json
 
     effort = effort_of(job.fidelity, job.within, of_batch=True)

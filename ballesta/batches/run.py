@@ -34,7 +34,7 @@ from ballesta.batches.pool import Finished, Limits, Pool, PoolError, fatal_words
 from ballesta.batches.processes import FIRST_ESTIMATE, FIRST_ESTIMATES, Admission, planned_budget
 from ballesta.batches.results import prepare, write_results
 from checks.design.errors import DesignError, NumericsError
-from checks.store.results import BY_THE_DAY
+from checks.store.store import BY_THE_DAY
 
 _SYNC_EVERY = 1.0  # s; waiting for the disk after each job would keep workers waiting, too
 _TABLES_EVERY = 60.0  # s, while designs are checked, and a twentieth of the time at the most

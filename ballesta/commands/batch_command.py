@@ -18,15 +18,14 @@ from ballesta.batches.run import Settings, run_batch
 from ballesta.design.read import read_design
 from ballesta.run import guarded, output_folders, store_at, told_of_folder
 from ballesta.supervisor import STOPPED, terminated_as_interrupted
-from ballesta.sweeps.sweep_text import parse_sweep
+from ballesta.sweeps.sweep import parse_sweep
 from ballesta.sweeps.threshold_search import UntilResult, until_pass, until_text
 from checks.design.effort import SWEPT, Effort, effort_of
 from checks.design.errors import DesignError, listed
 from checks.design.units import measure
 from checks.result.verdict import DesignResult
 from checks.result.words import brief, clean
-from checks.store.results import keep_result, recalled_result
-from checks.store.store import Store
+from checks.store.store import Store, keep_result, recalled_result
 from geometry.progress import step
 from reports.files import plain, write_whole
 

@@ -14,8 +14,8 @@ from ballesta.run import Say, guarded, told_of_folder
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError, no_such
 from checks.part.part_loads import PartLoads, Runs, loads_on, shown_of
-from checks.part.too_fine import told_of_size
 from checks.strength.part_strength import elastic_of
+from checks.stress.kept_models import told_of_size
 from checks.stress.solid_mesh_level import Level, Models, solve_level
 from fem.deck import write_deck
 from fem.recovery import von_mises

@@ -8,8 +8,14 @@ from pathlib import Path
 import loads
 from ballesta.design.read import read_design
 from ballesta.machine.blows import blow_gates, blows_of, transients_of
-from ballesta.machine.drive_speed import evenness_of, speed_assumptions, speed_gates, speed_warnings
-from ballesta.machine.shown_loads import shown_cycle, shown_run
+from ballesta.machine.drive_speed import (
+    evenness_of,
+    shown_cycle,
+    shown_run,
+    speed_assumptions,
+    speed_gates,
+    speed_warnings,
+)
 from ballesta.machine.solved_cycles import (
     event_assumptions,
     part_masses,
@@ -218,6 +224,6 @@ def _compliances(
     """Compliances of the bodies that give way as their parts do, for which these are solved."""
     if not any(parts_that_give(design)):
         return None
-    from ballesta.machine.elastic_parts import compliances_of
+    from ballesta.machine.solved_cycles import compliances_of
 
     return compliances_of(design, models, say)

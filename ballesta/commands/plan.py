@@ -19,8 +19,7 @@ from checks.stress.kept_models import (
     solid_seconds,
     solve_gibibytes,
 )
-from checks.stress.solid_mesh_level import Models
-from checks.stress.symmetry import half_of
+from checks.stress.solid_mesh_level import Models, half_of
 from geometry.mesh import MeshError, TooManyElementsError
 
 

@@ -110,7 +110,7 @@ def _checked(
 ) -> Sequence[Check]:
     from ballesta.design.read import read_design
     from ballesta.pipeline import check_design
-    from checks.store.results import recalled_result
+    from checks.store.store import recalled_result
 
     kept = recalled_result(store, path, overrides, effort)
     if kept is not None:

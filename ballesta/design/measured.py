@@ -13,7 +13,7 @@ import loads
 from ballesta.design.files import Sources
 from checks.design.data import MeasuredRun, Pair
 from checks.design.errors import DesignError, Problems, listed, no_such
-from checks.design.measured_entry import MeasuredBodyEntry, MeasuredEntry
+from checks.design.file_entries import MeasuredBodyEntry, MeasuredEntry
 from checks.design.model import DesignFile
 from checks.design.units import MOST, Measured
 from geometry.mesh import FloatArray

@@ -13,7 +13,7 @@ from ballesta.design.plate_parts import (
     shape_name,
     step_geometry,
 )
-from ballesta.design.press_fits import with_press_fits
+from ballesta.design.stacks import check_stacks, with_plays, with_press_fits, with_widths
 from checks.design.data import Part, Roller, Weld
 from checks.design.errors import LINKAGE, DesignError, Problems, listed, no_such
 from checks.design.materials import Material, known_materials
@@ -26,7 +26,6 @@ from checks.design.model import (
     StepPartEntry,
     WeldEntry,
 )
-from checks.design.stacks import check_stacks, with_plays, with_widths
 from checks.design.strength import FkmStrength, fkm_of
 from checks.handbook.fits import clearances_of
 from checks.handbook.weld_details import HIGHEST, STANDARD, category_of

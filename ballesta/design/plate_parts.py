@@ -12,8 +12,8 @@ from typing import Any
 from ballesta.design.files import Sources
 from checks.design.data import Pair, Part
 from checks.design.errors import listed, no_such
+from checks.design.file_entries import KINDS
 from checks.design.model import BeamPartEntry, PlatePartEntry, StepPartEntry
-from checks.design.step_entry import KINDS
 from geometry.drawings import DrawingError, Drawn
 from geometry.dxf_file import UNITS, read_dxf, read_svg_path
 from geometry.outlines import OutlineError

@@ -40,10 +40,10 @@ from ballesta.design.linkage import (
 from ballesta.design.measured import measured_of
 from ballesta.design.parts import materials_of, parts_of
 from ballesta.design.plate_parts import told_of_steps
+from ballesta.design.stacks import told_of_overlaps, told_of_widths
 from checks.design.data import Cycle, Design, Part, StatedMass
 from checks.design.errors import Problems, listed, nearest, no_such
 from checks.design.model import PART_MODELS, DesignFile
-from checks.design.stacks import told_of_overlaps, told_of_widths
 from checks.design.strength import strength_defaults
 from checks.design.tables import TAGS
 from checks.design.units import DIMENSIONS, Quantity, Vector

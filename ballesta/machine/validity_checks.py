@@ -6,8 +6,7 @@ from math import ceil, sqrt
 import numpy as np
 
 import loads
-from ballesta.machine.drive_speed import friction_gate
-from ballesta.machine.shown_loads import motor_figures, shown_cycle
+from ballesta.machine.drive_speed import friction_gate, motor_figures, shown_cycle
 from ballesta.machine.solved_cycles import event_figures
 from checks.design.data import Design, MeasuredRun, Part
 from checks.design.errors import Problems

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 import loads
-from ballesta.machine.shown_loads import shown_cycle
+from ballesta.machine.drive_speed import shown_cycle
 from ballesta.machine.solved_cycles import linkage_of
 from checks.design.data import Cycle, Design, Part
 from checks.part.part_loads import interface_distance, is_loaded, shown_name, shown_position

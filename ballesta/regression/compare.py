@@ -5,8 +5,17 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
-from ballesta.regression.bands import Tolerance, band_of, largest_bar, mass_band
-from ballesta.regression.file import ELASTIC_SHARE, LINKAGE, MASS, Baseline, verdicts_of
+from ballesta.regression.file import (
+    ELASTIC_SHARE,
+    LINKAGE,
+    MASS,
+    Baseline,
+    Tolerance,
+    band_of,
+    largest_bar,
+    mass_band,
+    verdicts_of,
+)
 
 _ORDER = ("pass", "UNDECIDED", "FAIL")
 _NOTHING = 1e-9  # of a limit: a smaller value is no load, and its changes are round-off

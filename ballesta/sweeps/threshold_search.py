@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from ballesta.design.read import read_design
-from ballesta.sweeps.sweep import spread
-from ballesta.sweeps.sweep_text import Sweep, parse_sweep, refusal
+from ballesta.sweeps.sweep import Sweep, parse_sweep, refusal, spread
 from checks.design.effort import AUTO, DEFAULT_EFFORT, SOLID, Effort
 from checks.design.errors import DesignError, listed, no_such
 from checks.result.verdict import Check, DesignResult, Gate, Status, deciding_of, status_of

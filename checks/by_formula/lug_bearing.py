@@ -9,9 +9,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from checks.joints.lugs import Lug, lugs_of
 from checks.part.derived import EXACT, Heading, Kind, Series
 from checks.part.loaded_part import LoadedPart
+from checks.part.lugs import Lug, lugs_of
 from checks.part.part_loads import first_largest
 from checks.result.derivation import Given, Step
 from checks.result.verdict import Check

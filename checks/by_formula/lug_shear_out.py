@@ -13,9 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from checks.design.data import Part
-from checks.joints.lugs import lugs_of
 from checks.part.derived import EXACT, Heading, Kind, Series, shear_yield, yield_stress
 from checks.part.loaded_part import LoadedPart
+from checks.part.lugs import lugs_of
 from checks.part.part_loads import first_largest
 from checks.result.derivation import Step
 from checks.result.verdict import Check

@@ -3,10 +3,10 @@
 from collections.abc import Iterator, Mapping
 from math import inf
 
-from checks.handbook.press_fits import LARGEST, ring_flexibility
-from checks.joints.lugs import BushOnPin, bushes_of, pressure_on, uneven_share
+from checks.handbook.fits import LARGEST, ring_flexibility
 from checks.part.derived import Heading, Kind
 from checks.part.loaded_part import LoadedPart
+from checks.part.lugs import BushOnPin, bushes_of, pressure_on, uneven_share
 from checks.result.derivation import Given
 from checks.result.formulas import Value
 from checks.result.verdict import Check

@@ -8,9 +8,9 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from checks.joints.lugs import BushOnPin, bushes_of, pressure_on, uneven_share
 from checks.part.derived import Heading, Kind, Series, demand_over
 from checks.part.loaded_part import LoadedPart
+from checks.part.lugs import BushOnPin, bushes_of, pressure_on, uneven_share
 from checks.result.derivation import Given, Item, Step
 from checks.result.formulas import Value
 from checks.result.verdict import Check

@@ -24,13 +24,14 @@ from checks.result.derivation import Column, Derivation, Given, Item, Section, S
 from checks.result.formulas import Value, evaluate_each
 from checks.result.verdict import Check
 from checks.stress.duty_verdict import WHOLE_DUTY
-from fatigue.life import Cycles, duty_cycles
-from fatigue.weld_life import (
+from fatigue.life import (
     AT_CUT_OFF,
     AT_KNEE,
     KNEE,
     REFERENCE,
     SHEAR_CUT_OFF,
+    Cycles,
+    duty_cycles,
     endless_weld_safety,
     weld_safety,
 )

@@ -22,8 +22,16 @@ from typing import NamedTuple, Self
 import numpy as np
 
 import loads
-from checks.columns.link_joints import JointRows, LinkModel, forces_of, link_model, shafts
-from checks.columns.linkage_positions import Place, Together, together
+from checks.columns.link_joints import (
+    JointRows,
+    LinkModel,
+    Place,
+    Together,
+    forces_of,
+    link_model,
+    shafts,
+    together,
+)
 from checks.design.data import Design
 from checks.part.derived import Kind
 from checks.part.part_loads import shown_of

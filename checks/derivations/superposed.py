@@ -1,6 +1,8 @@
 """The stress at a point of a part as the sum of its unit loads.
 
 Of it, Findley's criterion on the critical plane of a path that is not proportional.
+
+And the endurance limit by Marin's factors, as docs/theory/strength.md has it.
 """
 
 from collections.abc import Sequence
@@ -8,18 +10,24 @@ from itertools import combinations
 
 import numpy as np
 
-from checks.derivations.marin import at_point, limit_section
 from checks.design.data import Part
 from checks.models.formula_points import columns_of
 from checks.part.derived import load_case, numbers
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Derivation, Given, Item, Section, Step, Superposition, UnitLoad
 from checks.strength.fatigue_assessment import FatigueUse
+from checks.strength.part_strength import endurance_of, equivalent_diameter
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import RungLevel, Stressed, UnitName
 from fatigue import critical_plane, findley_criterion
-from fatigue.shear_planes import DUCTILE, CriticalPlane, resolved_shear
-from fatigue.smallest_circle import smallest_circles
+from fatigue.marin import (
+    LARGEST_SPECIMEN_LIMIT,
+    LOADS,
+    ROTATING_AREA,
+    SURFACES,
+    round_equivalent_diameter,
+)
+from fatigue.shear_planes import DUCTILE, CriticalPlane, resolved_shear, smallest_circles
 from geometry.mesh import FloatArray
 
 _SOURCE = "Findley 1959; Papadopoulos et al. 1997: docs/theory/multiaxial.md"
@@ -39,6 +47,7 @@ PRESSED = (
     "cos 0 of a bore that a bush is pressed into has the even pressure between them as well "
     "(docs/theory/press_fits.md)"
 )
+BOOK = "Shigley, 9th ed."
 
 
 def units_of(level: Stressed) -> Sequence[UnitName]:
@@ -201,3 +210,97 @@ def _shear(symbols: list[str], stress: FloatArray, plane: CriticalPlane) -> list
         for number, (one, other) in enumerate(pairs, 1)
     ]
     return [*sides, Step("tau_a", said, "circumradius(c_1, c_2, c_3)", "MPa", _SOURCE, main=True)]
+
+
+def limit_section(part: Part) -> Section:
+    """S_e of a part away from notches, from the ultimate strength S_u."""
+    return Section("Limit: endurance limit by Marin's factors", tuple(_items(part)))
+
+
+def at_point(level: Stressed, use: FatigueUse, point: int) -> list[Item]:
+    """The endurance limit S_p at a point, where fretting may lower it."""
+    factor = use.limit / float(level.limits[point])
+    return [
+        Given("K_f", "fretting or fatigue notch factor there", factor, "", "the part's shape"),
+        Step("S_p", "endurance limit at the point", "S_e/K_f", "MPa"),
+    ]
+
+
+def _ultimate(part: Part) -> Given:
+    material = part.material
+    said = f"ultimate strength of {material.name}"
+    return Given("S_u", said, material.ultimate_stress, "MPa", material.source)
+
+
+def _items(part: Part) -> list[Item]:
+    evenly = part.geometry.stressed_evenly
+    load = "axial" if evenly else "bending"
+    limit = endurance_of(part)
+    return [
+        _ultimate(part),
+        *_specimen(part),
+        _surface(part),
+        *_size(part),
+        Given("k_c", f"load: {load}", LOADS[load], "", f"{BOOK}, eq. 6-26"),
+        Given("k_d", "temperature: 20 °C", limit.temperature, "", f"{BOOK}, eq. 6-27"),
+        Given("R", "share of parts that survive", part.reliability, "", "the design, reliability"),
+        Step("k_e", "reliability", "1 - 0.08*quantile(R)", "", f"{BOOK}, eq. 6-29"),
+        Step(
+            "S_e",
+            "endurance limit of the part, fully reversed",
+            "k_a*k_b*k_c*k_d*k_e*S_e0",
+            "MPa",
+            f"Marin: {BOOK}, eq. 6-18",
+            main=True,
+        ),
+    ]
+
+
+def _specimen(part: Part) -> list[Item]:
+    said, ratio = "of a polished rotating-beam specimen", part.material.endurance_ratio
+    if ratio is None:
+        formula = f"min(0.5*S_u, {LARGEST_SPECIMEN_LIMIT:g})"
+        return [Step("S_e0", f"endurance limit {said}", formula, "MPa", f"{BOOK}, eq. 6-8")]
+    return [
+        Given("q", f"endurance limit {said} over the ultimate strength", ratio, "",
+              "the material, endurance_ratio"),
+        Step("S_e0", f"endurance limit {said}", "q*S_u", "MPa"),
+    ]  # fmt: skip
+
+
+def _surface(part: Part) -> Step:
+    """The power law of table 6-2, but no more than any smoother finish has, nor than 1."""
+    smoother = list(SURFACES)[: list(SURFACES).index(part.surface) + 1]
+    laws = ", ".join(
+        f"{SURFACES[name][0]:g}*S_u^{SURFACES[name][1]:g}"
+        for name in dict.fromkeys(reversed(smoother))
+    )
+    said = f"surface: {part.surface}; not above a smoother finish's"
+    return Step("k_a", said, f"min(1, {laws})", "", f"{BOOK}, eq. 6-19, table 6-2")
+
+
+def _size(part: Part) -> list[Item]:
+    if part.geometry.stressed_evenly:
+        return [Given("k_b", "size: none in axial force", 1.0, "", f"{BOOK}, eq. 6-21")]
+    section = part.geometry.stressed_section
+    found: list[Item] = []
+    if len(section) == 1:
+        found.append(Given("D", "diameter that is bent", section[0], "mm", "the part's shape"))
+        formula, equation = "0.370*D", "6-24"
+        if equivalent_diameter(part) > round_equivalent_diameter(*section):
+            said = "area with 95 % of the largest amplitude, over D^2"
+            found.append(Given("A_95", said, part.bent_area, "", "the pin's forces over the cycle"))
+            formula, equation = f"sqrt(A_95/{ROTATING_AREA:g})*D", "6-22"
+    else:
+        found += [
+            Given("B", "width that is bent", section[0], "mm", "the part's shape"),
+            Given("H", "height that is bent", section[1], "mm", "the part's shape"),
+        ]
+        formula, equation = "0.808*sqrt(B*H)", "6-25"
+    law = "1.51*d_e^-0.157" if equivalent_diameter(part) > 51.0 else "min(1, (d_e/7.62)^-0.107)"
+    turning = "not turning" if equation in ("6-24", "6-25") else "its load goes round it"
+    return [
+        *found,
+        Step("d_e", f"equivalent diameter, {turning}", formula, "mm", f"{BOOK}, eq. {equation}"),
+        Step("k_b", "size", law, "", f"{BOOK}, eq. 6-20"),
+    ]

@@ -11,7 +11,7 @@ from checks.design.materials import Material
 from checks.design.model import Column, Requirements, StackEntry
 from checks.design.strength import FkmStrength
 from checks.design.tables import DriveEntry, DynamicsEntry
-from checks.handbook.press_fits import PressFit
+from checks.handbook.fits import PressFit
 from geometry.bars import Walls
 from geometry.shape import Shape
 from loads import MeasuredLoads

@@ -9,12 +9,11 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, create_model
 
-from checks.design.materials import MaterialEntry
-from checks.design.measured_entry import MeasuredEntry
-from checks.design.step_entry import (
+from checks.design.file_entries import (
     STEP_SUFFIXES,
     BeamHoleEntry,
     HoleEntry,
+    MeasuredEntry,
     PlateHoleEntry,
     PlateShapeEntry,
     Section2,
@@ -22,6 +21,7 @@ from checks.design.step_entry import (
     StepShape,
     is_plate,
 )
+from checks.design.materials import MaterialEntry
 from checks.design.tables import (
     BodyEntry,
     CycleEntry,

@@ -437,22 +437,15 @@ class FitOrClearance(Marker):
         return {"type": "string", "examples": [code, "0.02 .. 0.06 mm"]}
 
 
-@dataclass(frozen=True)
-class AnyQuantity:
+class AnyQuantity(Marker):
     """Marks a number of any mechanical unit, or a plain one."""
 
     def read(self, value: object) -> Constant:
         """Return the number in ballesta's units, or raise ValueError."""
         return measure_any(value)
 
-    def __get_pydantic_core_schema__(
-        self, source: Any, handler: GetCoreSchemaHandler
-    ) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
-
-    def __get_pydantic_json_schema__(
-        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def json_schema(self) -> dict[str, Any]:
+        """Schema of the text, for editors."""
         text = {"type": "string", "pattern": rf"^\s*{_NUMBER}\s*[A-Za-zµμ°1][^,]*$"}
         return {"anyOf": [text, {"type": "number"}], "examples": ["400 N"]}
 

@@ -22,7 +22,7 @@ from math import pi
 
 import numpy as np
 
-from fem.load_states import leading_states, worst_position
+from fem.buckling import leading_states, worst_position
 from geometry.mesh import FloatArray
 
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(4)

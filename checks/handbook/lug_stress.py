@@ -111,11 +111,6 @@ def _even(start: float, stop: float, length: float, size: float) -> tuple[FloatA
     return places, np.full(count, length / count)
 
 
-def mirrored(points: ComplexArray) -> ComplexArray:
-    """Mirror the points of a lug with its free end at +x to one with its free end at -x."""
-    return np.asarray(-points.conj())
-
-
 @dataclass(frozen=True, eq=False)
 class Lug:
     """A lug about its hole, its free end at -x, or at +x where it is `mirrored`.

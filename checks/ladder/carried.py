@@ -21,9 +21,8 @@ import numpy as np
 from checks.design.effort import SOLID
 from checks.ladder.chart_data import charts_of
 from checks.ladder.climb import Climb
-from checks.ladder.hand_calculations import hand_checks
 from checks.ladder.levels import COARSE, Asked, Say, level_on
-from checks.ladder.part_facts import assumed_of, gates_of, mesh_row
+from checks.ladder.part_facts import assumed_of, gates_of, hand_checks, mesh_row
 from checks.ladder.solid import RESCALED, mesh_values, solid_facts, solve_stress, stress_check
 from checks.part.loaded_part import LoadedPart
 from checks.part.pressed_along import that_count
@@ -32,8 +31,7 @@ from checks.strength.load_doubts import load_bars
 from checks.strength.part_strength import elastic_of, endurance_of, fatigue_use
 from checks.stress.error_bars import Bars
 from checks.stress.judged import Judged, StaticPeak
-from checks.stress.solid_mesh_level import Level, Models
-from checks.stress.symmetry import MEANING, half_of, surface_triangles
+from checks.stress.solid_mesh_level import MEANING, Level, Models, half_of, surface_triangles
 from fem.convergence import ErrorBar
 from fem.recovery import von_mises
 from geometry.carrying import Carrier

@@ -22,10 +22,10 @@ import fatigue
 from checks import by_formula
 from checks.design.data import Part
 from checks.design.effort import FORMULA
+from checks.models.stress_words import chord_at, deciding_pair
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse
-from checks.strength.fatigue_facts import chord_at, deciding_pair
 from checks.strength.finite_life import (
     LifeTask,
     counted,

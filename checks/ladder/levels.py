@@ -15,8 +15,7 @@ from checks.stress.error_bars import mesh_bar
 from checks.stress.judged import Judged
 from checks.stress.kept_models import check_seconds
 from checks.stress.pins_in_bores import fits_of, pinned_bores
-from checks.stress.solid_mesh_level import Level, Models, solve_level
-from checks.stress.symmetry import half_of
+from checks.stress.solid_mesh_level import Level, Models, half_of, solve_level
 from fem.contact.condensed import ContactError
 from fem.recovery import refined_sizes, stress_error
 from fem.unit_solutions import UnitSolutions

@@ -11,9 +11,8 @@ from checks import by_formula
 from checks.columns import cylinders
 from checks.columns.linkage_frame import LINKAGE
 from checks.columns.stability import ELASTIC
-from checks.derivations.bars import rung_bars
 from checks.derivations.buckling import elastic_share
-from checks.derivations.stresses import fatigue, static
+from checks.derivations.stresses import fatigue, rung_bars, static
 from checks.design.data import Design, Part
 from checks.design.effort import AUTO, FORMULA, SOLID, SWEPT
 from checks.design.effort import DEFAULT_EFFORT as DEFAULT_EFFORT
@@ -29,12 +28,11 @@ from checks.models.checked import BUCKLING, FATIGUE, STATIC
 from checks.part.derived import Kind
 from checks.part.loaded_part import FIRST, LoadedPart
 from checks.part.part_loads import Doubt, PartLoads, Runs
-from checks.part.too_fine import gave_up, told_of_size
 from checks.result.derivation import BARS, BarSymbols, Derivation, Given, Item, Section
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import Check, PartResult
 from checks.result.words import TOO_MANY
-from checks.stress.kept_models import check_seconds, report_seconds
+from checks.stress.kept_models import check_seconds, gave_up, report_seconds, told_of_size
 from checks.stress.solid_mesh_level import Models
 from checks.stress.stress_result import RungLevel
 from fem.solvers import SolverError

@@ -15,11 +15,11 @@ from checks.ladder.climb import Climb, answered
 from checks.ladder.leaf_checks import friction_facts, friction_gates, leaf_band, with_leaf_checks
 from checks.ladder.levels import Asked, Say, first_of
 from checks.ladder.part_facts import SMALL_DISPLACEMENT, edges_words, facts_of
-from checks.ladder.part_fields import as_it_buckles
+from checks.ladder.part_fields import as_it_buckles, section_fields
 from checks.ladder.passing_fits import by_run_in_edges, edges_that_pass
-from checks.ladder.section_fields import section_fields
 from checks.ladder.solid import RESCALED, check_solid
 from checks.models.checked import BALANCE, BUCKLING, FATIGUE, STATIC, Estimate
+from checks.models.stress_words import fatigue_facts
 from checks.part.part_loads import PartLoads
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import (
@@ -33,7 +33,6 @@ from checks.result.verdict import (
     deciding_of,
 )
 from checks.result.ways import mesh_that_settles
-from checks.strength.fatigue_facts import fatigue_facts
 from checks.strength.load_doubts import LoadBars, load_bars
 from checks.strength.part_strength import endurance_of
 from checks.stress.solid_mesh_level import Models

@@ -16,7 +16,6 @@ from checks.derivations.stresses import of_solid
 from checks.design.data import Part
 from checks.ladder.chart_data import charts_of
 from checks.ladder.edge_checks import NotJudged, edge_fatigue, edge_static, known_at_edges
-from checks.ladder.hand_calculations import hand_checks
 from checks.ladder.levels import (
     EVERYTHING,
     Asked,
@@ -32,6 +31,7 @@ from checks.ladder.part_facts import (
     edges_words,
     facts_of,
     gates_of,
+    hand_checks,
     mesh_row,
 )
 from checks.ladder.part_fields import solid_fields, with_mode
@@ -42,7 +42,7 @@ from checks.ladder.passing_fits import (
     with_assumed_fits,
 )
 from checks.ladder.pin_settings import pins_data
-from checks.models.stress_words import fatigue_check, static_check
+from checks.models.stress_words import fatigue_check, fatigue_facts, static_check
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import HandComparison
@@ -50,16 +50,22 @@ from checks.result.verdict import Check, Gate, PartResult, Status, Surface
 from checks.result.ways import arc_fact
 from checks.store.solutions import remembered
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse
-from checks.strength.fatigue_facts import fatigue_facts
 from checks.strength.load_doubts import LoadBars, load_bars
 from checks.strength.part_strength import elastic_of, endurance_of, fatigue_use
 from checks.strength.sampling import fatigue_rise, static_rise, with_sampling
 from checks.stress.error_bars import Bars, arcs_of, banded, bars_of, mesh_bar, singular_edge
 from checks.stress.judged import Judged, StaticPeak
 from checks.stress.kept_models import judging_seconds
-from checks.stress.solid_mesh_level import Level, Models, coefficients_of, solve_level
+from checks.stress.solid_mesh_level import (
+    MEANING,
+    Level,
+    Models,
+    coefficients_of,
+    mode_surface,
+    shown_surface,
+    solve_level,
+)
 from checks.stress.stress_result import Stressed
-from checks.stress.symmetry import MEANING, mode_surface, shown_surface
 from fem.buckling import BucklingMode
 from fem.contact.condensed import ContactError
 from fem.lowest_modes import link_vibration

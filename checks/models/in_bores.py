@@ -21,8 +21,7 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
-from checks.models.formula_lugs import on_arc
-from checks.models.formula_points import PRESSED_IN
+from checks.models.formula_points import PRESSED_IN, on_arc
 from checks.models.shapes import shape_model
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads

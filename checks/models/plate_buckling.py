@@ -35,7 +35,7 @@ from checks.models.formula_bars import ASIDE, HARDLY, LATERAL, column_items, fac
 from checks.models.formula_points import Points, acceleration_units, wrench_units
 from checks.part.part_loads import PartLoads, first_largest
 from checks.stress.stress_result import ElasticLoad
-from fem.end_conditions import nearness
+from fem.mode_count import nearness
 from geometry.bars import rectangle_torsion
 from geometry.mesh import FloatArray
 from geometry.outlines import Cut, Moments
@@ -164,7 +164,7 @@ def elastic_load(part: Part, forces: PlateForces) -> ElasticLoad | None:
     The plate is a bar along the longest way from bore to bore, laid straight. In the plane it is
     hinged at both ends; what holds it at bores between is left out, and its largest compression
     acts all along it. Out of the plane it is held where the solid is, at two pins
-    (fem/end_conditions.py), and free to tilt.
+    (fem/mode_count.py), and free to tilt.
     """
     way = forces.way
     if way is None:

@@ -13,7 +13,7 @@ import numpy as np
 import loads
 from checks.design.data import Cycle, Design, Part
 from checks.design.model import StackEntry
-from checks.handbook.press_fits import LARGEST, LEAST, PressFit
+from checks.handbook.fits import LARGEST, LEAST, PressFit
 from checks.result.words import INTERFERENCE
 from geometry.mesh import FloatArray, IntArray, MassProperties
 

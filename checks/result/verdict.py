@@ -173,7 +173,7 @@ class Check:
 
         What else stands in the data is left out.
         """
-        from checks.result.derivation_data import derivation_of_data, number_of, text_of
+        from checks.result.derivation import derivation_of_data, number_of, text_of
 
         if not isinstance(data, Mapping):
             raise TypeError(f"{str(data)[:40]!r} is no check")

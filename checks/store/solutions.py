@@ -10,10 +10,8 @@ import scipy
 
 from checks.store.fingerprints import digest
 from checks.store.store import Store
-from fem.assembly import Pattern, stiffness
-from fem.elements import Elements
+from fem.assembly import Elements, Pattern, stiffness, ties_of
 from fem.solvers import Factor
-from fem.ties import ties_of
 from fem.unit_loads import InterfaceLoads
 from fem.unit_solutions import Elastic, UnitSolutions, held_factor, solve_unit_loads
 from geometry.mesh import FloatArray, IntArray, Interface, Mesh

@@ -1,6 +1,8 @@
 """Bodies, meshes and unit solutions of a run, from the store where they are in it.
 
 Nothing that solves is imported before it is needed.
+
+Errors of a mesher or a solver name the part and the size that they are about.
 """
 
 from collections.abc import Iterable, Set
@@ -12,14 +14,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from checks.design.data import Design, Part
+from checks.design.errors import DesignError, NumericsError
 from checks.store.store import Store
 from fem.threads import one_thread
 from geometry.cad_body import Skin, SolidBody, cad_body, cad_skin
 from geometry.closed_form import closed_body
-from geometry.mesh import Mesh
+from geometry.mesh import Mesh, TooFineError, TooManyUnknownsError
 from geometry.meshing import mesh_shape
+from geometry.parts.pin import as_pin
 from geometry.progress import expect
-from geometry.shape import Buildable, Half
+from geometry.shape import Buildable, Half, far_apart, key_of, sizes_of
 from geometry.sizing import SizeField
 
 if TYPE_CHECKING:
@@ -27,6 +32,7 @@ if TYPE_CHECKING:
     from geometry.carrying import Carrier
 
 _PACKAGES = ("geometry",)
+_BY_WIDTH = 3  # power of a narrow lug's width by which unknowns fall
 
 
 class Models:
@@ -264,3 +270,38 @@ def _trial() -> float:
     np.argsort(places)
     values[places].sum()
     return perf_counter() - start
+
+
+def told_of_size(design: Design, part: Part, error: Exception) -> DesignError:
+    """The error of a mesher, with the key of the size that is farthest from the part's others."""
+    key, sizes = f"parts.{part.name}", sizes_of(part.geometry)
+    pin, many = as_pin(part.geometry), error.__cause__
+    if pin is not None and isinstance(many, TooManyUnknownsError) and pin.narrow:
+        index = min(range(len(pin.seats)), key=lambda k: pin.seats[k].width)
+        width = pin.seats[index].width
+        least = width * (many.unknowns / part.most_unknowns) ** (1 / _BY_WIDTH)
+        return DesignError(
+            design.file,
+            f"{key}.stack[{index}].width",
+            f"a lug of {width:g} mm on a pin of {pin.diameter:g} mm takes about "
+            f"{many.unknowns:.1g} unknowns, where mesh.most_unknowns is {part.most_unknowns:g}; it "
+            f"must be at least about {least:.2g} mm for a solid (--fidelity formula takes none)",
+        )
+    if not isinstance(error, TooFineError) or not sizes:
+        return DesignError(design.file, key, str(error))
+    odd, other = far_apart(sizes)
+    stated = key_of(part.geometry, odd)
+    pins, apart = ("pins that are ", " apart") if stated == "interfaces" else ("", "")
+    told = f"{pins}{sizes[odd]:.4g} mm{apart} beside {other} = {sizes[other]:.4g} mm"
+    return DesignError(
+        design.file, f"{key}.{stated}", f"{told} are too far from each other: {error}"
+    )
+
+
+def gave_up(design: Design, part: Part, error: Exception) -> NumericsError:
+    """The error of a mesher or a solver, with the part that it is about."""
+    return NumericsError(
+        str(error),
+        f"{design.file}: parts.{part.name}",
+        "check the part's dimensions, or change mesh.fineness",
+    )

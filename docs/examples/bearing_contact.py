@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from checks.joints.lugs import bushes_of, uneven_share
 from checks.part.derived import Heading, Kind, Series
 from checks.part.loaded_part import LoadedPart
+from checks.part.lugs import bushes_of, uneven_share
 from checks.result.derivation import Given, Step
 from checks.result.verdict import Check
 

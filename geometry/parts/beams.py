@@ -10,11 +10,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geometry.bars import Bar, RulingSection, Section, even
+from geometry.bars import Bar, Profile, RulingSection, Section, even, hollow_profile, i_profile
 from geometry.mesh import Interface
 from geometry.parameters import ParameterError, a_length, check_above, check_at_least
 from geometry.parts._plates import bore_at, drill
-from geometry.profiles import Profile, hollow_profile, i_profile
 from geometry.shape import Body, Ligament, Region, Shape, faces_where
 
 _PER_RADIUS = 5.0  # elements along the radius of a bore

@@ -14,11 +14,10 @@ from geometry.mesh import FloatArray, Interface, MeshError
 from geometry.parameters import ParameterError, check_above
 from geometry.round_faces import Hole
 from geometry.shape import Body, Region, Shape
-from geometry.step_file import StepSolid, file_hash, import_solid, surveyed
-from geometry.step_plate import extruded, survey_plate
+from geometry.step_file import StepSolid, extruded, file_hash, import_solid, survey_plate, surveyed
 
 if TYPE_CHECKING:
-    from geometry.slices import Slice
+    from geometry.cad_body import Slice
 
 _PARALLEL = radians(0.1)
 _BORE_ELEMENTS = 9.0  # elements along the radius of a named hole, as in the parametric parts
@@ -318,7 +317,7 @@ class StepPart(Shape):
     @cached_property
     def _column(self) -> tuple[Sequence[Section], str]:
         """Its sections as a column, or why it is not known as one, in words."""
-        from geometry.slices import in_stretches
+        from geometry.cad_body import in_stretches
 
         if len(self.holes) != 2:
             return (), "it has more than two holes"
@@ -507,8 +506,7 @@ def bar_slices(shape: StepPart) -> BarSlices:
 
     A batch asks for the same part again and again.
     """
-    from geometry.cad_body import cad_skin
-    from geometry.slices import sliced
+    from geometry.cad_body import cad_skin, sliced
 
     skin = cad_skin(shape, _FACETS)
     low, high = float(skin.nodes[:, 0].min()), float(skin.nodes[:, 0].max())

@@ -10,9 +10,19 @@ from checks.handbook.column_curves import eurocode_stress, johnson_stress, trans
 from checks.result.verdict import DesignResult, PartResult
 from checks.result.words import brief, need_text, number, safety_text
 from geometry.mesh import FloatArray
-from reports.charts.chart import Chart, Missing, Series, decimals_of, fixed, numbers, thinned
+from reports.charts.chart import (
+    Chart,
+    Missing,
+    Plane,
+    Series,
+    decimals_of,
+    drawing,
+    fixed,
+    ink,
+    numbers,
+    thinned,
+)
 from reports.charts.over_cycle import cursor_text
-from reports.charts.plane import Plane, drawing, ink
 from reports.svg import SERIES, Drawing, colour
 
 _TITLE = "Buckling: column curves"

@@ -10,9 +10,20 @@ from checks.result.verdict import Check, DesignResult, PartResult
 from checks.result.words import brief, need_text, number, safety_text
 from fatigue import goodman_utilisation
 from geometry.mesh import FloatArray
-from reports.charts.chart import Chart, Missing, Series, decimals_of, fixed, numbers, thinned
+from reports.charts.chart import (
+    Chart,
+    Missing,
+    Plane,
+    Series,
+    decimals_of,
+    drawing,
+    fixed,
+    ink,
+    numbers,
+    thinned,
+    upper,
+)
 from reports.charts.over_cycle import cursor_text
-from reports.charts.plane import Plane, drawing, ink, upper
 from reports.svg import SERIES, Drawing
 
 _TITLE = "Haigh diagram"

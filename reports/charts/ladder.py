@@ -6,8 +6,7 @@ from typing import Any
 
 from checks.result.verdict import Check, PartResult, RungTried
 from checks.result.words import brief, check_titles, number, value_and_whole_bar
-from reports.charts.chart import Chart, Missing, decimals_of, fixed
-from reports.charts.plane import Plane, drawing, ink
+from reports.charts.chart import Chart, Missing, Plane, decimals_of, drawing, fixed, ink
 from reports.svg import SERIES, Drawing, colour
 
 _TITLE = "Ladder of models"

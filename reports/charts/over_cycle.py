@@ -19,8 +19,11 @@ from geometry.mesh import FloatArray
 from reports.charts.chart import (
     SIZE,
     IntArray,
+    Room,
     Series,
+    cut,
     decimals_of,
+    dense,
     fixed,
     gapless,
     numbers,
@@ -29,7 +32,6 @@ from reports.charts.chart import (
     table_rows,
     thinned,
 )
-from reports.charts.plane import Room, cut, dense
 from reports.svg import INK, Drawing, Frame, colour, draw, round_steps
 
 _LEAST = 0.08  # of the width, that a phase has at least

@@ -10,7 +10,7 @@ import pytest
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
 from bench.closed_forms import lug_factor
-from checks.derivations.bars import solid_bars
+from checks.derivations.stresses import solid_bars
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.ladder.levels import Asked, solve_levels
 from checks.models import shapes

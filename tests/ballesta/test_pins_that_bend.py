@@ -11,7 +11,7 @@ from ballesta.design.read import read_design
 from ballesta.machine.runs import solved_runs
 from ballesta.sweeps.screen import Screening
 from checks.by_formula import pin_bending
-from checks.derivations.bars import rung_bars, solid_bars
+from checks.derivations.stresses import rung_bars, solid_bars
 from checks.design.errors import DesignError
 from checks.ladder.climb import start_climb
 from checks.ladder.levels import Asked, first_level

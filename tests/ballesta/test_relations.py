@@ -15,7 +15,7 @@ import pytest
 import loads
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import linkage_of
-from ballesta.regression.bands import band_of
+from ballesta.regression.file import band_of
 
 from ..small_machine import PLATE, machine
 from .restated import (

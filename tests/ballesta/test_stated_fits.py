@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from checks.derivations.bars import solid_bars
+from checks.derivations.stresses import solid_bars
 from checks.design.errors import DesignError
 from checks.ladder import solid
 from checks.ladder.climb import start_climb

@@ -11,8 +11,7 @@ import pytest
 
 from ballesta.commands.batch_command import parts_of
 from ballesta.design.read import read_design
-from ballesta.sweeps.sweep import design_variations
-from ballesta.sweeps.sweep_text import parse_sweep
+from ballesta.sweeps.sweep import design_variations, parse_sweep
 
 ROOT = Path(__file__).parent.parent.parent
 PAGE = (ROOT / "docs" / "sweeps.md").read_text(encoding="utf-8")

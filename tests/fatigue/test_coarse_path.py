@@ -5,9 +5,9 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fatigue import ductile_verdict
-from fatigue.plane_bounds import coarse_path
 from fatigue.shear_planes import critical_plane, findley_criterion
 from fatigue.stress_path import with_fewer_loads
+from fatigue.verdict import coarse_path
 
 K = findley_criterion().k
 

@@ -202,7 +202,7 @@ def test_pairs_compared_in_blocks_of_rows_give_the_same(monkeypatch):
     basis[:, 3, 0], basis[:, 4, 1], basis[:, 0, 2] = 70.0, 70.0, 40.0
     coefficients = np.stack([np.cos(turn), np.sin(turn), np.cos(turn) ** 2])
     whole = goodman(basis, coefficients, 200.0, 400.0)
-    monkeypatch.setattr("fatigue.longest_chord._PAIRS", 700)
+    monkeypatch.setattr("fatigue.stress_path._PAIRS", 700)
     split = goodman(basis, coefficients, 200.0, 400.0)
     assert split.pair.tolist() == whole.pair.tolist()
     assert split.utilisation.tolist() == pytest.approx(whole.utilisation.tolist(), rel=ROUND_OFF)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fatigue.plane_bounds import plane_bounds
 from fatigue.shear_planes import critical_plane, findley_criterion
+from fatigue.verdict import plane_bounds
 
 K = findley_criterion().k
 

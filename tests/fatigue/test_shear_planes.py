@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from fatigue import critical_plane, findley_criterion
-from fatigue.shear_planes import divided, half_sphere, longest_edges, middles
-from fatigue.smallest_circle import smallest_circles
+from fatigue.shear_planes import divided, half_sphere, longest_edges, middles, smallest_circles
 from tests.fatigue.multiaxial_cases import (
     BENDING_LIMIT,
     NISHIHARA_KAWAMOTO,

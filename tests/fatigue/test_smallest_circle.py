@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from fatigue.smallest_circle import smallest_circles
+from fatigue.shear_planes import smallest_circles
 
 TURN = np.linspace(0.0, 2.0 * np.pi, 361)
 THIRDS = np.radians([0.0, 120.0, 240.0])

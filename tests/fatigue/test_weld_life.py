@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fatigue.life import Cycles
-from fatigue.weld_life import (
+from fatigue.life import (
     AT_CUT_OFF,
     AT_KNEE,
     SHEAR_CUT_OFF,
+    Cycles,
     endless_weld_safety,
     weld_damage,
     weld_safety,

@@ -9,8 +9,7 @@ import skfem
 from numpy.testing import assert_allclose
 
 from bench.scikit_fem import to_scikit_fem
-from fem.assembly import Pattern, full, geometric_stiffness, stiffness
-from fem.elements import Elements
+from fem.assembly import Elements, Pattern, full, geometric_stiffness, stiffness
 from geometry.meshing import mesh_shape
 
 from .blocks import PIN, block

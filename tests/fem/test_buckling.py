@@ -11,11 +11,10 @@ from fem.buckling import (
     Buckling,
     BucklingMode,
     buckling_modes,
-    effective_length,
     mesh_bar,
     part_buckling,
 )
-from fem.end_conditions import holding
+from fem.mode_count import holding
 from fem.unit_loads import InterfaceLoads
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.mesh import Interface
@@ -163,14 +162,6 @@ def test_one_mode_of_a_pair_is_proven_with_its_twin(tube):
 def test_a_tube_without_load_has_no_factor(tube):
     found = part_buckling(tube, 0 * state(tube, FORCE), tilt_held=False)
     assert (found.modes, found.reversed, found.proven) == ((), None, np.inf)
-
-
-def test_the_effective_length_of_a_clamped_column_is_half_its_length(tube):
-    """Of Euler's own loads: exact."""
-    euler = np.pi**2 * 210e3 * 1611.443 / 250**2
-    assert_allclose(effective_length(4 * euler, 210e3, 1611.443), 125.0, rtol=1e-12)
-    with pytest.raises(ValueError, match="force above 0"):
-        effective_length(0.0, 210e3, 1.0)
 
 
 @pytest.mark.parametrize(

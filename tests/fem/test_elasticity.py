@@ -8,8 +8,7 @@ from skfem.models.elasticity import linear_elasticity
 
 import fem.recovery
 from bench.scikit_fem import to_scikit_fem
-from fem.assembly import Pattern, full, geometric_stiffness, stiffness
-from fem.elements import Elements
+from fem.assembly import Elements, Pattern, full, geometric_stiffness, stiffness
 from fem.recovery import Recovery, energy_error, tensor, von_mises
 from fem.solvers import factorize
 from fem.unit_loads import acceleration_loads, resultants

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem import block_whitening
+from fem import frame_joints
 from fem.frame import (
     Frame,
     LooseFrameError,
@@ -366,17 +366,17 @@ def test_what_no_row_holds_is_taken_apart_once_and_gives_the_same_motions(monkey
         placed.links, np.repeat(placed.origins[None], 2, 0), np.repeat(placed.angles[None], 2, 0)
     )
     rows, taken = np.array([clamp, clamp]), []
-    by_blocks = block_whitening.Inner.unit_motions
+    by_blocks = frame_joints.Inner.unit_motions
 
     def seen(inner, free):
         taken.append(by_blocks(inner, free))
         return taken[-1]
 
-    monkeypatch.setattr(block_whitening.Inner, "unit_motions", seen)
+    monkeypatch.setattr(frame_joints.Inner, "unit_motions", seen)
     found = both.unit_motions(rows, IN_PLANE)
     assert taken
     assert taken[0] is not None
-    monkeypatch.setattr(block_whitening.Inner, "unit_motions", lambda *_: None)
+    monkeypatch.setattr(frame_joints.Inner, "unit_motions", lambda *_: None)
     whole = both.unit_motions(rows, IN_PLANE)
     for one, other in zip(found, whole, strict=True):
         assert_allclose(one @ one.T, other @ other.T, rtol=1e-6, atol=1e-9 * (one @ one.T).max())

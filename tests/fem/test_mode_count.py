@@ -10,9 +10,8 @@ from numpy.testing import assert_allclose
 import fem.lowest_modes
 from fem.assembly import full, geometric_stiffness
 from fem.buckling import part_buckling
-from fem.end_conditions import link_solid
 from fem.lowest_modes import mass
-from fem.mode_count import LowRank, count_below, shifted
+from fem.mode_count import LowRank, count_below, link_solid, shifted
 from fem.recovery import tensor
 from fem.solvers import SolverError
 from fem.unit_solutions import Elastic, solve_unit_loads

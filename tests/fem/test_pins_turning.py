@@ -20,7 +20,7 @@ from fem.buckling import (
     solid_buckling,
     worst_buckling,
 )
-from fem.end_conditions import link_solid, surface_weights
+from fem.mode_count import link_solid, surface_weights
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.meshing import mesh_shape
 from geometry.parts import TubeRod

@@ -11,8 +11,7 @@ import pytest
 import scipy.sparse as sp
 from numpy.testing import assert_allclose
 
-from fem.assembly import Pattern, full, stiffness
-from fem.elements import Elements
+from fem.assembly import Elements, Pattern, full, stiffness
 from fem.solvers import (
     SOLVERS,
     Factor,
@@ -32,7 +31,7 @@ ROOT = Path(__file__).parents[2]
 SMALL = """
 import numpy as np
 from fem.assembly import Pattern, stiffness
-from fem.elements import Elements
+from fem.assembly import Elements
 from fem.solvers import factorize
 from tests.fem.blocks import block
 matrix = stiffness(Pattern(Elements(block((6, 3, 3), (12.0, 4.0, 4.0)))), 210e3, 0.3)

@@ -8,9 +8,9 @@ import scipy.sparse as sp
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
+from fem.assembly import bodies_of, ties_of
 from fem.buckling import buckling_modes
 from fem.leaf_stack import tie_tension
-from fem.ties import bodies_of, ties_of
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.mesh import MeshError, Tie
 from tests.bonded import bonded

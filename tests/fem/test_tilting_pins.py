@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fem.elements import Elements
+from fem.assembly import Elements
 from fem.unit_loads import interface_loads, resultants
 from fem.unit_solutions import Elastic, has_bearings, solve_unit_loads
 from geometry.mesh import Interface, MeshError

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
-from fem.elements import Elements
+from fem.assembly import Elements
 from fem.recovery import von_mises
 from fem.solvers import factorize
 from fem.unit_loads import (

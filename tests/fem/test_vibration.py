@@ -10,8 +10,7 @@ from skfem.helpers import dot
 
 from bench.fixed_solid import fixed_solid, free_vibration
 from bench.scikit_fem import to_scikit_fem
-from fem.assembly import Pattern, full
-from fem.elements import Elements
+from fem.assembly import Elements, Pattern, full
 from fem.lowest_modes import link_vibration, mass, solid_vibration
 from fem.unit_solutions import Elastic, rigid_modes, solve_unit_loads
 from geometry.mesh import MeshError

@@ -6,9 +6,8 @@ import pytest
 
 from checks.ladder.levels import first_mesh
 from checks.part.loaded_part import FIRST
-from checks.part.too_fine import told_of_size
-from checks.stress.kept_models import Models
-from fem.elements import Elements
+from checks.stress.kept_models import Models, told_of_size
+from fem.assembly import Elements
 from fem.unit_loads import interface_loads
 from geometry.cad_body import cad_skin
 from geometry.mesh import TooFineError, TooManyElementsError, TooManyUnknownsError

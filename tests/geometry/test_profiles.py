@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from geometry.profiles import hollow_profile, i_profile
+from geometry.bars import hollow_profile, i_profile
 
 PAGE = Path(__file__).parents[2] / "docs" / "beams.md"
 ROW = re.compile(r"^\| ((?:IPE|HEA) \d+) \|(.*)\|$", re.MULTILINE)

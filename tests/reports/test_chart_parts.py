@@ -9,9 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from reports.charts.chart import Chart, gapless, swatch, thinned
+from reports.charts.chart import Chart, Room, dense, gapless, swatch, thinned
 from reports.charts.over_cycle import cycle_axis
-from reports.charts.plane import Room, dense
 from reports.svg import draw, round_ticks
 
 

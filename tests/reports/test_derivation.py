@@ -20,8 +20,8 @@ from checks.result.derivation import (
     Sum,
     Superposition,
     UnitLoad,
+    derivation_of_data,
 )
-from checks.result.derivation_data import derivation_of_data
 from checks.result.formulas import FormulaError
 from checks.result.verdict import Status
 from reports.derivation_text import bar_texts, derivation_text, paragraphs, shares_of, status_texts

@@ -1,6 +1,6 @@
-"""The rung `formula`, vectorised over positions: every module here models one shape.
+"""The rung `formula`, vectorised over positions: every module here models a shape or several alike.
 
-A module has a `ShapeModel` as `MODEL`. It is found by being here, or by the entry point group
+A module has a `ShapeModel` of each. It is found by being here, or by the entry point group
 `ballesta.shape_models` of another package, whose entries name a `ShapeModel` (docs/extending.md).
 A shape without a model is checked as a solid only.
 """
@@ -24,7 +24,9 @@ GROUP = "ballesta.shape_models"
 @cache
 def registered() -> Mapping[type[Shape], object]:
     """Shape -> its model; raises ImportError for a module that is not there."""
-    own = [import_module(f"{__name__}.{one.name}").MODEL for one in iter_modules(__path__)]
+    modules = [import_module(f"{__name__}.{one.name}") for one in iter_modules(__path__)]
+    stated = [thing for module in modules for thing in vars(module).values()]
+    own = [thing for thing in stated if isinstance(thing, ShapeModel)]
     others = [point.load() for point in entry_points(group=GROUP)]
     return {model.shape: model for model in (*own, *others)}
 

@@ -11,8 +11,7 @@ import numpy as np
 from checks.design.data import Part
 from checks.handbook.lug_stress import Lug, curved_bar, strip_outline
 from checks.handbook.pin_loaded_hole import CurvedSection, open_hole, pin_loaded_hole
-from checks.models.formula_lugs import ANGLES, bore_columns
-from checks.models.formula_points import XX, XY, YY, Points
+from checks.models.formula_points import ANGLES, XX, XY, YY, Points, bore_columns
 from checks.models.plate_buckling import FlatSection, PlateForces, deflected, directed, elastic_load
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads

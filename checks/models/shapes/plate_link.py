@@ -7,7 +7,7 @@ from checks.handbook.lug_stress import Lug, strip_outline
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
 from checks.models.bands import beside_others
 from checks.models.formula_bars import BarPart, Stretches, add_rectangle_fibres
-from checks.models.formula_lugs import add_bore, strip_edges
+from checks.models.formula_points import add_bore, strip_edges
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel

@@ -25,8 +25,7 @@ from checks.handbook.lug_stress import Lug, bent_plate_hole, curved_bar, stepped
 from checks.handbook.pin_loaded_hole import pin_loaded_hole
 from checks.models.bands import beside_others
 from checks.models.formula_bars import Aside, BarPart, Stretches, add_rectangle_fibres
-from checks.models.formula_lugs import add_bore, strip_edges
-from checks.models.formula_points import Points, along_x, in_section
+from checks.models.formula_points import Points, add_bore, along_x, in_section, strip_edges
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads, first_largest
 from checks.stress.stress_result import RungModel

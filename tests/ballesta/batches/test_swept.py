@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-import ballesta.sweeps.neighbours as neighbours
+import ballesta.sweeps.sweep as neighbours
 import checks.stress.kept_models as kept_models
 from ballesta.batches.job import Job, run_job
 from ballesta.commands.batch_command import Wanted, outcomes_of

@@ -15,7 +15,7 @@ from ballesta.design.authoring import design_schema
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.pipeline import check_file
-from ballesta.regression.bands import ROUND_OFF, band_of
+from ballesta.regression.file import ROUND_OFF, band_of
 from checks.columns.column_limits import planes_of, whole_force
 from checks.design.errors import DesignError
 from checks.ladder.part_ladder import Effort

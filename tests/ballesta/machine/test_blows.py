@@ -17,9 +17,9 @@ from ballesta.machine.blows import (
     swing_gates,
     transients_of,
 )
+from ballesta.machine.drive_speed import motor_figures
 from ballesta.machine.quasi_static import quasi_static_gates
 from ballesta.machine.runs import MachineRuns
-from ballesta.machine.shown_loads import motor_figures
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.machine.validity_checks import load_gates
 from ballesta.pipeline import NOT_CHECKED, _not_checked

@@ -13,7 +13,7 @@ from ballesta.machine.motion import _distance as distance_from
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.result.motion import MOST_POSITIONS, motion_gaps
-from checks.store.records import from_record, to_record
+from checks.store.store import from_record, to_record
 from reports.live.section import _motion
 
 from ...lighter import buckling_of_no_linkage, without_fatigue

@@ -8,8 +8,7 @@ from numpy.testing import assert_allclose
 
 import loads
 from ballesta.cli import main
-from ballesta.machine.drive_speed import evenness_of
-from ballesta.machine.shown_loads import motor_figures, shown_cycle
+from ballesta.machine.drive_speed import evenness_of, motor_figures, shown_cycle
 from ballesta.machine.validity_checks import load_gates
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort

@@ -4,9 +4,9 @@ import copy
 
 import pytest
 
-from ballesta.regression import bands
+from ballesta.regression import file
 from ballesta.regression.compare import compare
-from ballesta.regression.file import MASS
+from ballesta.regression.file import MASS, band_of
 
 from .records import SHARE, STAGES, STATIC, baseline, check, record
 
@@ -18,7 +18,7 @@ def noise(monkeypatch):
     def put(*entries):
         keys = ("rung", "kind", "accuracy", "worst")
         found = [dict(zip(keys, entry, strict=True)) for entry in entries]
-        monkeypatch.setattr(bands, "_noise", lambda: found)
+        monkeypatch.setattr(file, "_noise", lambda: found)
 
     return put
 
@@ -205,9 +205,9 @@ def test_a_band_at_a_coarser_accuracy_holds_what_finer_meshes_scatter(noise):
     noise(("solid", "static", 0.03, 0.02), ("solid", "static", 0.05, 0.01))
     meshed = check(200.0, 355.0, "pass", "solid") | {"numerical": 0.01}
     for accuracy in (0.03, 0.04, 0.05):
-        band = bands.band_of("bar", STATIC, meshed, accuracy, {})
+        band = band_of("bar", STATIC, meshed, accuracy, {})
         assert band.width == pytest.approx(0.03)
-    assert bands.band_of("bar", STATIC, meshed, 0.06, {}).width is None
+    assert band_of("bar", STATIC, meshed, 0.06, {}).width is None
 
 
 def test_comparing_leaves_both_records_alone():

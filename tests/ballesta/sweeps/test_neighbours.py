@@ -1,6 +1,6 @@
 """Neighbours of variations on a grid about the file."""
 
-from ballesta.sweeps.neighbours import on_grid
+from ballesta.sweeps.sweep import on_grid
 
 STATED = [("parts.bar.wall", "6 mm"), ("parts.bar.hole", "40 mm"), ("accuracy", "5 %"),
           ("cycles.press.phases[1].forces.ram", "11 kN"), ("parts.pin.stack[0].width", "6 mm"),

@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 
 from ballesta.design.read import read_design
-from ballesta.sweeps.sweep import design_variations, variations
-from ballesta.sweeps.sweep_text import MOST, parse_sweep
+from ballesta.sweeps.sweep import MOST, design_variations, parse_sweep, variations
 from checks.design.errors import DesignError
 
 from ...small_machine import MACHINE, PLATE

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from ballesta.pipeline import check_design
-from checks.derivations import bars, buckling
-from checks.derivations.bars import solid_bars
+from checks.derivations import buckling, stresses
+from checks.derivations.stresses import solid_bars
 from checks.design.effort import Effort
 from checks.handbook.column_curves import column_force
 from checks.ladder import part_ladder
@@ -210,7 +210,7 @@ def test_the_constants_of_a_solid_s_bar_are_those_of_its_computation(monkeypatch
     plain = Bars(bar, 0.0, 0.0, "", (99.0, 100.0), (2.0, 1.0))
     for name, value in (("FINER", 1.7), ("SAFETY", 2.5), ("LEAST", 0.3), ("SCATTER", 0.7),
                         ("REPEATS", 0.004)):  # fmt: skip
-        monkeypatch.setattr(bars, name, value)
+        monkeypatch.setattr(stresses, name, value)
     items = {item.symbol: item for item in solid_bars(plain, "sigma")[1]}
     assert items["r_m"].formula == "max(h_1/h_2, 1.7)"
     assert items["e_h"].formula == "max(2.5/(r_m^3 - 1), 0.29999999999999999)*abs(sigma - v_1)"

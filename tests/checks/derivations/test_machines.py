@@ -16,7 +16,7 @@ from checks.models.formula_bars import LATERAL
 from checks.result.derivation import Given, Step, Superposition
 from checks.result.formulas import evaluate
 from checks.result.verdict import Check
-from checks.store.records import from_record, to_record
+from checks.store.store import from_record, to_record
 from reports.derivation_text import bar_texts, derivation_text, shares_of, status_texts
 from reports.files import plain
 

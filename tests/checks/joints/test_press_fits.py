@@ -19,8 +19,14 @@ from checks.by_formula import not_checked
 from checks.derivations.stresses import static
 from checks.design.effort import Effort
 from checks.design.errors import DesignError
-from checks.handbook.fits import interferences_of
-from checks.handbook.press_fits import LARGEST, LEAST, MIDDLE, PressFit, ring_flexibility
+from checks.handbook.fits import (
+    LARGEST,
+    LEAST,
+    MIDDLE,
+    PressFit,
+    interferences_of,
+    ring_flexibility,
+)
 from checks.ladder.climb import start_climb
 from checks.ladder.levels import first_level, level_on
 from checks.models import shapes

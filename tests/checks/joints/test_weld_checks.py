@@ -22,7 +22,7 @@ from checks.models.formula_bars import bar_loads
 from checks.models.shapes import plate_link, toggle_bar, tube_rod
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
-from fatigue.weld_life import AT_KNEE, SHEAR_CUT_OFF
+from fatigue.life import AT_KNEE, SHEAR_CUT_OFF
 from geometry.bars import rectangle_torsion
 from reports.what_if import what_if
 

@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from checks.design.materials import known_materials
-from checks.ladder.hand_calculations import hand_checks
+from checks.ladder.part_facts import hand_checks
 from checks.stress.solid_mesh_level import solve_level
 from fem.unit_solutions import Elastic, solve_unit_loads
 from geometry.meshing import mesh_shape

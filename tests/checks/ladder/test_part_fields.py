@@ -18,8 +18,7 @@ from checks.part.part_loads import loads_on
 from checks.result.live_fields import von_mises
 from checks.strength.part_strength import fatigue_use
 from checks.stress.duty_verdict import NodalUse
-from checks.stress.solid_mesh_level import Models
-from checks.stress.symmetry import DISPLACEMENT, INVERSE_SAFETY
+from checks.stress.solid_mesh_level import DISPLACEMENT, INVERSE_SAFETY, Models
 from fem.unit_solutions import rigid_modes
 
 from ...small_machine import PLATE, machine, solved

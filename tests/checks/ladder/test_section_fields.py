@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from ballesta.design.read import read_design
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
-from checks.ladder.section_fields import _peaks, _superposition, sections_of
+from checks.ladder.part_fields import _peaks, _superposition, sections_of
 from checks.part.part_loads import PartLoads
 from geometry.cad_body import Skin, cad_skin
 from geometry.parts import PlateLink

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from checks.models.cheek_buckling import _ACROSS, _grid, _matrices, spreading
-from checks.models.shapes.toggle_bar import lug_at
+from checks.models.shapes.toggle_bar import _ACROSS, _grid, _matrices, lug_at, spreading
 from geometry.parts import ToggleBar
 
 E, NU = 210e3, 0.3

@@ -17,10 +17,11 @@ from bench.rung_truth import known
 from bench.rung_variations import SCENES, Machines
 from checks.by_formula import lug_shear_out
 from checks.design.errors import DesignError
-from checks.models import beams, shapes
+from checks.models import shapes
 from checks.models.bands import Band, NoBand, band_of, proportions_of
 from checks.models.checked import BUCKLING, FATIGUE, STATIC, rung_estimates, rung_level
 from checks.models.formula_bars import as_plate
+from checks.models.shapes import beams
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.stress.solid_mesh_level import Models

@@ -12,8 +12,8 @@ from ballesta.design.read import read_design
 from bench.rod_eyes import HELD_OUT, known, peaks_of, rod_of, solved
 from checks.models.checked import rung_level
 from checks.models.in_bores import Arcs, in_bores
-from checks.models.rod_eyes import BORE, FILLET, INSIDE, eye_stress, scales
 from checks.models.shapes import model_of
+from checks.models.shapes.tube_rod import BORE, FILLET, INSIDE, eye_stress, scales
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from fem.recovery import von_mises

@@ -11,7 +11,7 @@ import pytest
 
 from checks.result.verdict import Gate, Status
 from checks.store.fingerprints import digest
-from checks.store.records import RecordError, from_record, packed, to_record, unpacked
+from checks.store.store import RecordError, from_record, packed, to_record, unpacked
 from geometry.mesh import Interface, MassProperties
 
 RNG = np.random.default_rng(1)

@@ -14,8 +14,7 @@ from ballesta.run import check_all, check_to_folder, store_at
 from checks.design.effort import DEFAULT_EFFORT, Effort
 from checks.design.errors import DesignError
 from checks.store.fingerprints import code_digest, digest
-from checks.store.results import keep_result, recalled_result
-from checks.store.store import Store
+from checks.store.store import Store, keep_result, recalled_result
 from reports.charts.chart import Charts
 
 from ...small_machine import MACHINE, PLATE

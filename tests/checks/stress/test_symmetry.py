@@ -13,8 +13,7 @@ from ballesta.machine.solved_cycles import part_masses, solve_cycles
 from checks.ladder.solid import check_solid
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
-from checks.stress.solid_mesh_level import Models
-from checks.stress.symmetry import DISPLACEMENT, STRESS, half_of
+from checks.stress.solid_mesh_level import DISPLACEMENT, STRESS, Models, half_of
 from fem.recovery import tensor, von_mises
 from geometry.shape import Half
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from reports.charts import cycle_charts, part_charts
-from reports.charts.plane import Plane
+from reports.charts.chart import Plane
 
 from .. import chart_results as made
 

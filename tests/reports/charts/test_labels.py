@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.testing import assert_allclose
 
-from reports.charts.plane import cut
+from reports.charts.chart import cut
 
 
 def test_a_line_that_goes_on_for_miles_is_cut_where_it_leaves_the_space():

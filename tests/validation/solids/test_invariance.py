@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.testing import assert_allclose
 
-from fem.assembly import Pattern, full, stiffness
-from fem.elements import Elements
+from fem.assembly import Elements, Pattern, full, stiffness
 from fem.recovery import tensor
 
 from ...boundary_value import SolidProblem, body_load, pressure_load

@@ -3,7 +3,7 @@
 import numpy as np
 
 from bench.fixed_solid import fixed_solid
-from fem.end_conditions import surface_weights
+from fem.mode_count import surface_weights
 from fem.unit_solutions import Elastic
 
 from ...boundary_value import SolidProblem, uniform_load, unknowns

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from bench.fixed_solid import fixed_solid, free_vibration
-from fem.elements import Elements
+from fem.assembly import Elements
 from fem.lowest_modes import solid_vibration
 from fem.unit_solutions import Elastic, solve_unit_loads
 

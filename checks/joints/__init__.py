@@ -1,1 +1,0 @@
-"""Pins, bushes, lugs and slots: pressures, tearing out, bending over a stack."""
