@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from fem.threads import LARGE, threads_for, without_team
+from fem.threads import LARGE, threads_for
 from geometry.mesh import FloatArray, IntArray
 
 BACKWARD_LIMIT = 1e-12
@@ -137,7 +137,7 @@ def _cholmod(upper: "scipy.sparse.csr_array", place: IntArray | None) -> Apply:
 
     order = dissection(upper, cholmod) if place is None else np.argsort(place, kind="stable")
     try:
-        with without_team(), threads_for(len(order)):
+        with threads_for(len(order), team=False):
             factor = cholmod.cholesky(
                 permuted(upper, order), mode="supernodal", ordering_method="natural"
             )

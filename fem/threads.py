@@ -69,30 +69,27 @@ def one_thread() -> Iterator[None]:
 
 
 @contextmanager
-def threads_for(unknowns: int) -> Iterator[None]:
-    """Let linear algebra take the threads that a factor of so many unknowns is worth."""
-    if _of_environment():
+def threads_for(unknowns: int, *, team: bool = True) -> Iterator[None]:
+    """Let linear algebra take the threads that a factor of so many unknowns is worth.
+
+    team    False holds teams of OpenMP to one thread, for CHOLMOD's cannot be sized, and spins. Not
+            around PARDISO: MKL crashes where it is refused the team that it has been promised.
+    """
+    kept = _of_environment()
+    if kept and team:
         yield
         return
-    from threadpoolctl import threadpool_limits
-
-    with threadpool_limits(_several() if unknowns >= LARGE else 1, user_api="blas"):
-        yield
-
-
-@contextmanager
-def without_team() -> Iterator[None]:
-    """Hold teams of OpenMP to one thread, for CHOLMOD's cannot be sized, and spins.
-
-    Not around PARDISO: MKL crashes where it is refused the team that it has been promised.
-    """
     from threadpoolctl import ThreadpoolController
 
+    libraries = ThreadpoolController()  # it reads the whole map of the memory
     with ExitStack() as stack:
-        for library in ThreadpoolController().select(prefix="libgomp").lib_controllers:
+        for library in [] if team else libraries.select(prefix="libgomp").lib_controllers:
             levels = library.dynlib.omp_get_max_active_levels()
             library.dynlib.omp_set_max_active_levels(0)
             stack.callback(library.dynlib.omp_set_max_active_levels, levels)
+        if not kept:
+            most = _several() if unknowns >= LARGE else 1
+            stack.enter_context(libraries.limit(limits=most, user_api="blas"))
         yield
 
 

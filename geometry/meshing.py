@@ -62,7 +62,8 @@ _HXT, _DELAUNAY = ("HXT", 10), ("Delaunay", 1)
 # there a stray write ends the process, so HXT is tried without its optimisation before.
 _SMALL = 50_000
 _TELLING = {"General.Verbosity": 6.0}  # of HXT's memory
-_FILLING = {"Mesh.Optimize": 0.0, "Mesh.ElementOrder": 1.0}
+# The curves' mesh is kept, with the numbers on whose order that of the faces depends.
+_FILLING = {"Mesh.Optimize": 0.0, "Mesh.ElementOrder": 1.0, "Mesh.Renumber": 0.0}
 _FLAT = 0.1  # quality by gmsh, 1 at best: inscribed radius over circumscribed radius, thrice
 _STRAIGHT = 4  # number by gmsh of tetrahedra with four nodes
 _MOST_FLAT = 0.25  # of the tetrahedra; others at 0.35 to 0.7 of the fineness of designs: 0.16
@@ -228,16 +229,18 @@ def _told(gmsh: Any, **options: float) -> Iterator[list[str]]:
 def _try_hxt(gmsh: Any) -> None:
     """Raise UnsafeMesherError where HXT's optimisation is of no use.
 
-    It would leave its memory, or the mesh has too many flat tetrahedra. The surface is meshed again
-    afterwards: gmsh turns some of its triangles round, on which HXT's next mesh would depend.
+    It would leave its memory, or the mesh has too many flat tetrahedra. Faces are meshed again
+    afterwards: gmsh turns some of their triangles round, on which HXT's next mesh would depend.
+    Edges, most of the time, are not.
     """
     with _told(gmsh, **_TELLING, **_FILLING) as messages:
         gmsh.model.mesh.generate(3)
     tags, _ = gmsh.model.mesh.getElementsByType(_STRAIGHT)
     qualities = np.asarray(gmsh.model.mesh.getElementQualities(tags, "gamma"))
-    gmsh.model.mesh.clear()
     if any(message.startswith("Error") for message in messages):
+        gmsh.model.mesh.clear()
         return
+    gmsh.model.mesh.clear([*gmsh.model.getEntities(3), *gmsh.model.getEntities(2)])
     _check_memory_of_hxt(messages)
     flat = np.count_nonzero(qualities < _FLAT)
     if flat > _MOST_FLAT * len(qualities):
@@ -304,19 +307,22 @@ def _place(gmsh: Any, tags: IntArray, now: FloatArray, wanted: FloatArray) -> No
 def _set_sizes(gmsh: Any, body: Body, fineness: float, sizes: SizeField | None) -> None:
     field = gmsh.model.mesh.field
     thresholds = []
+    alike: dict[tuple[float, float], list[tuple[int, int]]] = {}  # one search for all of them
     for region in body.regions:
+        alike.setdefault((region.size, region.reach), []).extend(region.entities)
+    for (size, reach), entities in alike.items():
         distance = field.add("Distance")
         for dimension, key in ((1, "CurvesList"), (2, "SurfacesList")):
-            tags = [tag for d, tag in region.entities if d == dimension]
+            tags = [tag for d, tag in entities if d == dimension]
             if tags:
                 field.setNumbers(distance, key, tags)
         field.setNumber(distance, "Sampling", 40)
         threshold = field.add("Threshold")
         field.setNumber(threshold, "InField", distance)
-        field.setNumber(threshold, "SizeMin", region.size / fineness)
+        field.setNumber(threshold, "SizeMin", size / fineness)
         field.setNumber(threshold, "SizeMax", body.size / fineness)
-        field.setNumber(threshold, "DistMin", 0.1 * region.reach)
-        field.setNumber(threshold, "DistMax", region.reach)
+        field.setNumber(threshold, "DistMin", 0.1 * reach)
+        field.setNumber(threshold, "DistMax", reach)
         thresholds.append(threshold)
     if sizes is not None:
         thresholds.append(sizes.to_gmsh(gmsh))

@@ -45,7 +45,7 @@ def critical(beside):
 
 @pytest.fixture(scope="module")
 def rod():
-    return solve_unit_loads(mesh_shape(ROD, fineness=0.6), STEEL)
+    return solve_unit_loads(mesh_shape(ROD, fineness=0.7), STEEL)
 
 
 @pytest.fixture(scope="module")
@@ -98,8 +98,7 @@ def test_with_its_pins_no_motion_gives_the_loads_a_moment_about_an_axis(rod, pus
 
 
 def test_a_thick_eyed_rod_buckles_in_the_plane_as_from_pin_to_pin(rod, pushed, dead):
-    """Elements across 14 mm are few and stiff by 4 % (finer ones leave -1.2 %), alike in both
-    planes: their ratio within 1.5 %.
+    """It is softer by 1 % than with rigid eyes, alike in both planes: their ratio within 1 %.
 
     Pressure that turned with the bores would stand 4/pi r beside the axis: 38 % more.
     """
@@ -108,9 +107,9 @@ def test_a_thick_eyed_rod_buckles_in_the_plane_as_from_pin_to_pin(rod, pushed, d
     pinned, turning = critical(0.0), critical(4 / np.pi * RADIUS)
     tilting = critical(8 / (3 * np.pi) * RADIUS)
     assert found.modes[0].plane == "in plane"
-    assert_allclose(factors["in plane"], pinned, rtol=0.05)
-    assert_allclose(factors["in plane"] / factors["out of plane"], pinned / tilting, rtol=0.015)
-    assert_allclose(by_plane(dead)["in plane"] / factors["in plane"], turning / pinned, rtol=0.015)
+    assert_allclose(factors["in plane"], pinned, rtol=0.02)
+    assert_allclose(factors["in plane"] / factors["out of plane"], pinned / tilting, rtol=0.01)
+    assert_allclose(by_plane(dead)["in plane"] / factors["in plane"], turning / pinned, rtol=0.01)
     assert found.proven > found.modes[1].factor
 
 
