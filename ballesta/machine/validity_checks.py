@@ -24,6 +24,7 @@ _SECOND_ORDER = 0.05  # share of the largest force
 _CONDITIONING = 0.02  # share of the motion that the solved force sees
 _FRICTION_SHARE = 0.3  # a coefficient is known to a third at best: the efforts then to 10 %
 _MOTOR_ENERGY = 1e-3  # the trapezoidal rule over some hundred positions
+_KNEE = 1e6  # cycles, of metals with an endurance limit
 _PAST_PIN = 0.05  # share of a pin's force that its bore lacks
 _USED_TRAVEL = 0.98  # of a slot's length: closer than 1 % of it to an end, play lets it strike
 
@@ -39,6 +40,35 @@ def load_gates(
         gate
         for name, cycle in solved.items()
         for gate in _cycle_gates(design, name, cycle, covered)
+    ]
+
+
+def endless_gates(design: Design) -> list[Gate]:
+    """Gates for metals without an endurance limit whose duty goes on beyond their tests.
+
+    A ratio at 1e6 cycles is that of a metal that has a limit, or the value at the end of the FKM
+    guideline's curve; one at more is where tests of rotating bars were stopped.
+    """
+    duty = design.duty
+    if duty.life == "finite":
+        return []
+    runs = sum(duty.cycles.values())
+    return [
+        Gate(
+            f"{part.name}: cycles of an endless life",
+            runs / part.material.endurance_cycles,
+            1.0,
+            f"{number(runs)} runs of the duty over the {part.material.endurance_cycles:g} cycles "
+            f"that {part.material.name} endures its endurance ratio: it has no endurance limit, "
+            "and strength falls on beyond",
+            cure='State duty.life = "finite", which follows its S-N curve there',
+            key="duty.life=finite",
+        )
+        for part in design.parts.values()
+        if part.fkm is None
+        and part.material.endurance_ratio is not None
+        and part.material.endurance_cycles > _KNEE
+        and runs > part.material.endurance_cycles
     ]
 
 
