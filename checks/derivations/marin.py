@@ -3,7 +3,7 @@
 from checks.design.data import Part
 from checks.result.derivation import Given, Item, Section, Step
 from checks.strength.fatigue_assessment import FatigueUse
-from checks.strength.part_strength import endurance_of, equivalent_diameter
+from checks.strength.part_strength import endurance_of, equivalent_diameter, evenly_stressed
 from checks.stress.stress_result import Stressed
 from fatigue.marin import (
     LARGEST_SPECIMEN_LIMIT,
@@ -37,8 +37,7 @@ def _ultimate(part: Part) -> Given:
 
 
 def _items(part: Part) -> list[Item]:
-    evenly = part.geometry.stressed_evenly
-    load = "axial" if evenly else "bending"
+    load = "axial" if evenly_stressed(part) else "bending"
     limit = endurance_of(part)
     return [
         _ultimate(part),
@@ -84,7 +83,7 @@ def _surface(part: Part) -> Step:
 
 
 def _size(part: Part) -> list[Item]:
-    if part.geometry.stressed_evenly:
+    if evenly_stressed(part):
         return [Given("k_b", "size: none in axial force", 1.0, "", f"{BOOK}, eq. 6-21")]
     section = part.geometry.stressed_section
     found: list[Item] = []

@@ -144,6 +144,13 @@ class Plate(Shape):
         """Sections of a straight bar between two bores; none of another plate."""
         return self._column[0]
 
+    @property
+    def net_section(self) -> float | None:
+        """Least area beside the holes of two bores, mm2."""
+        cuts = [self.outline.cut(bore.centre, 1) for bore in self.bores]
+        areas = [self.thickness * float(np.diff(cut.spans).sum()) for cut in cuts if cut]
+        return min(areas, default=None) if len(self.bores) == 2 else None
+
     @cached_property
     def _column(self) -> tuple[Sequence[Section], str]:
         """Its sections as a column, or why it is none, in words."""

@@ -167,6 +167,9 @@ def test_a_plate_between_two_bores_is_a_column_of_its_least_sections():
     assert_allclose((shank.area, shank.inertia_in_plane), (80.0, 8 * 10**3 / 12), rtol=1e-12)
     assert_allclose(shank.inertia_out_of_plane, 10 * 8**3 / 12, rtol=1e-12)
     assert shank.stretch == pytest.approx((60.0, 90.0), abs=2.2)  # its corners, and a station
+    assert plate.net_section == pytest.approx(8 * (48 - 20), rel=1e-12)
+    assert plate.shank_decides
+    assert not lever(((0, 30), (100, 30))).shank_decides
     moved = _waisted(moved=(("b", (0.04, 0.0)),))  # as the linkage has its pins
     assert moved.sections[-1].stretch[1] == pytest.approx(149.96, rel=1e-15)
 
