@@ -49,6 +49,7 @@ KINDS = (BUCKLING, ROD, TUBE)
 NOT_CHECKED = (
     "fatigue, thread, eyes, welds and seals of {}, and friction of its eyes",
     "play of the guides of {}: state guide and play",
+    "buckling and stress of {} in {}: measured loads tell no force of a cylinder",
 )
 _ROUND_OFF = 1e-6  # of the stroke
 _CLOSE = 1e-9  # of a yield stress: a root that was sought
@@ -79,8 +80,10 @@ def not_checked_of(design: Design) -> tuple[str, ...]:
     """Effects that the checks of cylinders leave out."""
     names = list(design.cylinders)
     loose = [name for name in names if not design.cylinders[name].play]
-    told = [NOT_CHECKED[0].format(" and ".join(names))] if names else []
-    return (*told, *([NOT_CHECKED[1].format(" and ".join(loose))] if loose else ()))
+    every, runs = " and ".join(names), " and ".join(design.measured)
+    told = [NOT_CHECKED[0].format(every)] if names else []
+    told += [NOT_CHECKED[1].format(" and ".join(loose))] if loose else []
+    return (*told, *([NOT_CHECKED[2].format(every, runs)] if names and runs else ()))
 
 
 @dataclass(frozen=True, eq=False)
