@@ -22,7 +22,12 @@ from ballesta.machine.motion import motions_of, with_modes
 from ballesta.machine.quasi_static import assumptions_of, quasi_static_gates
 from ballesta.machine.runs import MachineDoubts, MachineRuns, doubts_of, run_machine
 from ballesta.machine.solved_cycles import event_assumptions
-from ballesta.machine.validity_checks import balance_gates, load_gates, not_measured
+from ballesta.machine.validity_checks import (
+    balance_gates,
+    endless_gates,
+    load_gates,
+    not_measured,
+)
 from ballesta.machine.warnings_of import design_warnings, solver_warnings, unloaded_warnings
 from ballesta.unfinished import FRAME, PART, Keep, KeptPart, with_parts, without_live
 from checks.columns.cylinders import cylinder_checks, not_checked_of
@@ -217,6 +222,7 @@ def _frame(
             *doubts.gates,
             *quasi_static_gates(design, vibration),
             *balance_gates(design, machine.measured),
+            *endless_gates(design),
         ],
         warnings=[
             *machine.warnings,

@@ -16,6 +16,7 @@ import numpy as np
 from geometry.mesh import FloatArray
 
 Holes = Sequence[tuple[float, float]]
+_ALIKE = 0.03  # of an area or a second moment: sections of one stretch
 BESIDE = 1.25  # widths from a hole's axis to where a bar's stress is that of its section again
 
 
@@ -68,6 +69,43 @@ class Section:
                 f"section {self.name!r} stretches from {self.stretch[0]:g} mm, to "
                 f"{self.stretch[1]:g} mm"
             )
+
+
+def stretches(
+    places: FloatArray, values: FloatArray, depths: FloatArray, length: float
+) -> list[Section]:
+    """Stretches of a bar from 0 to its length, each with the least of its sections.
+
+    places  (n,) mm, rising
+    values  (n, 3) area, mm2, and second moments in the plane and out of it, mm4
+    depths  (n, 2) mm, outer size in the plane and out of it
+
+    One ends where area or a second moment has changed by `_ALIKE`. The first and the last reach to
+    the pins.
+    """
+    found: list[Section] = []
+    start, first = 0.0, 0
+    for k in range(1, len(places) + 1):
+        if k < len(places):
+            group = values[first : k + 1]
+            if (group.max(axis=0) <= (1 + _ALIKE) * group.min(axis=0)).all():
+                continue
+        stop = float(places[k - 1] + places[k]) / 2 if k < len(places) else length
+        area, inertia, across = values[first:k].min(axis=0)
+        within, beside = depths[first:k].max(axis=0)
+        found.append(
+            Section(
+                f"section from x = {start:.4g} to {stop:.4g} mm",
+                float(area),
+                float(inertia),
+                float(across),
+                depth_in_plane=float(within),
+                depth_out_of_plane=float(beside),
+                stretch=(start, stop),
+            )
+        )
+        start, first = stop, k
+    return found
 
 
 @dataclass(frozen=True)

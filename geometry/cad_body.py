@@ -17,7 +17,7 @@ from typing import Any, TypeVar
 import numpy as np
 import scipy
 
-from geometry.bars import Section
+from geometry.bars import Section, stretches
 from geometry.mesh import FloatArray, IntArray, Interface, MassProperties, MeshError
 from geometry.meshing import gmsh_session
 from geometry.shape import Body, Buildable, in_unit, unit_of
@@ -32,7 +32,6 @@ _AROUND = np.arange(16) * (np.pi / 8)  # directions in which a section's outermo
 _TOUCHING = 1e-6  # of the breadth: a ray begins on its own segment
 _PARALLEL = 1e-12  # sine of an angle
 _AT_ONCE = 256  # rays
-_ALIKE = 0.03  # of an area or a second moment: sections of one stretch
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,37 +259,16 @@ def sliced(skin: Skin, places: FloatArray) -> list[Slice]:
 
 
 def in_stretches(slices: Sequence[Slice], length: float) -> list[Section]:
-    """Stretches of a bar from 0 to its length, each with the least of its slices' sections.
+    """Stretches of a bar from 0 to its length, as `stretches` has them.
 
-    One ends where area or a second moment has changed by `_ALIKE`. The first and the last reach to
-    the pins. A section bends in a plane as if nothing held it from bending sideways as well.
+    A section bends in a plane as if nothing held it from bending sideways as well.
     """
-    places = [one.place for one in slices]
-    values = np.array([_bending(one) for one in slices])
-    found: list[Section] = []
-    start, first = 0.0, 0
-    for k in range(1, len(slices) + 1):
-        if k < len(slices):
-            group = values[first : k + 1]
-            if (group.max(axis=0) <= (1 + _ALIKE) * group.min(axis=0)).all():
-                continue
-        stop = (places[k - 1] + places[k]) / 2 if k < len(slices) else length
-        area, inertia, across = values[first:k].min(axis=0)
-        depths = np.ptp([one.outline for one in slices[first:k]], axis=1).max(axis=0)
-        name = f"section from x = {start:.4g} to {stop:.4g} mm"
-        found.append(
-            Section(
-                name,
-                float(area),
-                float(inertia),
-                float(across),
-                depth_in_plane=float(depths[0]),
-                depth_out_of_plane=float(depths[1]),
-                stretch=(start, stop),
-            )
-        )
-        start, first = stop, k
-    return found
+    return stretches(
+        np.array([one.place for one in slices]),
+        np.array([_bending(one) for one in slices]),
+        np.array([np.ptp(one.outline, axis=0) for one in slices]),
+        length,
+    )
 
 
 def _bending(one: Slice) -> tuple[float, float, float]:

@@ -23,6 +23,8 @@ _SECOND_ORDER = 0.05  # share of the largest force
 _CONDITIONING = 0.02  # share of the motion that the solved force sees
 _FRICTION_SHARE = 0.3  # a coefficient is known to a third at best: the efforts then to 10 %
 _MOTOR_ENERGY = 1e-3  # the trapezoidal rule over some hundred positions
+_KNEE = 1e6  # cycles, of metals with an endurance limit
+_PAST_PIN = 0.05  # share of a pin's force that its bore lacks
 _USED_TRAVEL = 0.98  # of a slot's length: closer than 1 % of it to an end, play lets it strike
 
 
@@ -37,6 +39,35 @@ def load_gates(
         gate
         for name, cycle in solved.items()
         for gate in _cycle_gates(design, name, cycle, covered)
+    ]
+
+
+def endless_gates(design: Design) -> list[Gate]:
+    """Gates for metals without an endurance limit whose duty goes on beyond their tests.
+
+    A ratio at 1e6 cycles is that of a metal that has a limit, or the value at the end of the FKM
+    guideline's curve; one at more is where tests of rotating bars were stopped.
+    """
+    duty = design.duty
+    if duty.life == "finite":
+        return []
+    runs = sum(duty.cycles.values())
+    return [
+        Gate(
+            f"{part.name}: cycles of an endless life",
+            runs / part.material.endurance_cycles,
+            1.0,
+            f"{number(runs)} runs of the duty over the {part.material.endurance_cycles:g} cycles "
+            f"that {part.material.name} endures its endurance ratio: it has no endurance limit, "
+            "and strength falls on beyond",
+            cure='State duty.life = "finite", which follows its S-N curve there',
+            key="duty.life=finite",
+        )
+        for part in design.parts.values()
+        if part.fkm is None
+        and part.material.endurance_ratio is not None
+        and part.material.endurance_cycles > _KNEE
+        and runs > part.material.endurance_cycles
     ]
 
 
@@ -60,6 +91,7 @@ def _cycle_gates(
         *_friction(name, cycle, friction_gate(name) in covered),
         *_deflected_shape(name, cycle),
         *_slot_ends(name, cycle),
+        *_past_pins(design, name, cycle),
         *_drive_forces(design, name, cycle),
         *_cycle_time(design, name, cycle),
         *_motor(design, name, cycle),
@@ -220,6 +252,62 @@ def _slot_ends(name: str, cycle: loads.CycleLoads) -> list[Gate]:
             )
         )
     return gates
+
+
+def _past_pins(design: Design, name: str, cycle: loads.CycleLoads) -> Iterator[Gate]:
+    """Gates for bores at whose point more acts on the body than what comes through the pin.
+
+    A part has the sum of both in its bore, as nothing says where else guides and forces enter it.
+    """
+    through = {
+        (pin.joint, seat.force) for pin in design.parts.values() for seat in pin.stack if seat.force
+    }
+    for part in design.parts.values():
+        for interface, point in part.interfaces.items() if part.body else ():
+            acting = [one for one in cycle.body_loads(str(part.body)) if one.point == point]
+            own = [one for one in acting if _through_pin(cycle, one.source, point, through)]
+            pinned = any(
+                isinstance(joint, loads.Revolute) and f"joint {joint.name!r}" == one.source
+                for joint in cycle.linkage.joints
+                for one in own
+            )
+            if not pinned or len(own) == len(acting):
+                continue
+            kinds = {one.name: one.kind for one in part.geometry.placed_interfaces}
+            if kinds[interface] not in ("bore", "journal"):
+                continue
+            pin, whole = (
+                np.hypot(*np.sum([one.force for one in some], axis=0).T) for some in (own, acting)
+            )
+            hands_on = {one.source for one in own}
+            beside = ", ".join(one.source for one in acting if one.source not in hands_on)
+            yield Gate(
+                f"{name}: pin in {interface} of {part.name}",
+                float((pin - whole).max() / (pin.max() or 1.0)),
+                _PAST_PIN,
+                f"share of the pin's force that the bore lacks: past the pin {beside} acts on "
+                f"{part.body} at the same point, and the part has the sum of all in its bore",
+                cure=f"Let {beside} act at another point of {part.body}, an interface of its part "
+                "(of a guide: the first of the body's pins); name a force whose eye is on the pin "
+                "in the stack of that pin",
+            )
+
+
+def _through_pin(
+    cycle: loads.CycleLoads, source: str, point: str, through: Collection[tuple[str | None, str]]
+) -> bool:
+    """True for what a pin at a point hands on: joints but guides, and forces with an eye there.
+
+    through  joint and force of eyes in stated stacks
+    """
+    for joint in cycle.linkage.joints:
+        if f"joint {joint.name!r}" == source:
+            return not isinstance(joint, loads.Prismatic)
+    for force in cycle.linkage.forces:
+        if f"force {force.name!r}" == source:
+            between = isinstance(force.coordinate, loads.Distance)
+            return between or (point, force.name) in through
+    return True
 
 
 def _drive_forces(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gate]:

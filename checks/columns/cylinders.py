@@ -4,8 +4,8 @@ A cylinder is a force between two points with dimensions. It carries that force 
 tube and rod, hinged at its eyes, whose length changes with the stroke (docs/theory/cylinders.md).
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -49,8 +49,12 @@ KINDS = (BUCKLING, ROD, TUBE)
 NOT_CHECKED = (
     "fatigue, thread, eyes, welds and seals of {}, and friction of its eyes",
     "play of the guides of {}: state guide and play",
+    "buckling and stress of {} in {}: measured loads tell no force of a cylinder",
 )
 _ROUND_OFF = 1e-6  # of the stroke
+_CLOSE = 1e-9  # of a yield stress: a root that was sought
+_HALVINGS = 60
+_NEVER = 1e12  # a factor on loads that do nothing
 _BETWEEN = np.array([0.25, 0.5, 0.75])  # of the steps beside the worst position
 
 
@@ -76,8 +80,10 @@ def not_checked_of(design: Design) -> tuple[str, ...]:
     """Effects that the checks of cylinders leave out."""
     names = list(design.cylinders)
     loose = [name for name in names if not design.cylinders[name].play]
-    told = [NOT_CHECKED[0].format(" and ".join(names))] if names else []
-    return (*told, *([NOT_CHECKED[1].format(" and ".join(loose))] if loose else ()))
+    every, runs = " and ".join(names), " and ".join(design.measured)
+    told = [NOT_CHECKED[0].format(every)] if names else []
+    told += [NOT_CHECKED[1].format(" and ".join(loose))] if loose else []
+    return (*told, *([NOT_CHECKED[2].format(every, runs)] if names and runs else ()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,9 +168,35 @@ def _checks_of(loaded: _Loaded) -> Iterator[Check]:
     tube, rod = (one * loaded.across for one in cylinder.masses)
     apart = cylinder.guide + cylinder.closed + cylinder.stroke - loaded.length
     kink = cylinder.play / apart if cylinder.play else np.zeros(len(force))
-    moments = largest_moments(loaded.push, lengths, stiffness, (tube, rod), kink)
-    yield _rod(loaded, moments[1])
-    yield _tube(loaded, moments[0])
+
+    def moments(factor: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Largest moments (n,) in tube and rod under factors (n,) on all loads, N mm."""
+        weights = (factor * tube, factor * rod)
+        return largest_moments(factor * loaded.push, lengths, stiffness, weights, kink)
+
+    with np.errstate(divide="ignore"):
+        most = force / np.maximum(loaded.push, 0.0)
+    yield _rod(loaded, lambda factor: moments(factor)[1], most)
+    yield _tube(loaded, moments(np.ones(len(force)))[0])
+
+
+Moments = Callable[[FloatArray], FloatArray]
+
+
+def _load_factor(stress: Moments, most: FloatArray, limit: float) -> FloatArray:
+    """Factor (n,) on all loads with which a stress comes to its limit, at most `most` (n,).
+
+    stress  under factors (n,) on all loads, rises at least as fast as these
+    most    above 1
+    """
+    with np.errstate(divide="ignore"):
+        straight = np.minimum(limit / stress(np.ones(len(most))), _NEVER)
+    low, high = np.minimum(straight, 1.0), np.minimum(np.maximum(straight, 1.0), most)
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        within = stress(middle) <= limit
+        low, high = np.where(within, middle, low), np.where(within, high, middle)
+    return low
 
 
 def _buckling(loaded: _Loaded, force: FloatArray) -> Check:
@@ -190,26 +222,40 @@ def _buckling(loaded: _Loaded, force: FloatArray) -> Check:
                   "without a formula for it")  # fmt: skip
 
 
-def _rod(loaded: _Loaded, moment: FloatArray) -> Check:
-    cylinder = loaded.cylinder
-    demand: list[Series | Item] = [
+def _rod(loaded: _Loaded, moments: Moments, most: FloatArray) -> Check:
+    """Bending grows faster than the loads: the safety is the factor on all of them at yield."""
+    cylinder, material = loaded.cylinder, loaded.cylinder.material
+    known: list[Series | Item] = [
+        Given("R_e", f"yield stress of {material.name}", material.yield_stress, "MPa",
+              material.source, main=True),
         Series("N", "force of the cylinder", np.abs(loaded.push), "N", main=True),
-        Series("M", "largest moment in the rod: weight, play and deflection", moment, "N mm",
-               "docs/theory/cylinders.md", main=True),
         Given("d", "diameter of the rod", cylinder.rod, "mm", "design"),
         Step("A", "section of the rod", "pi*d^2/4", "mm2"),
         Step("W", "section modulus of the rod", "pi*d^3/32", "mm3"),
-        Step("sigma", "largest stress of the rod", "N/A + M/W", "MPa", main=True),
     ]  # fmt: skip
-    limit = [
-        Given("R_e", f"yield stress of {cylinder.material.name}", cylinder.material.yield_stress,
-              "MPa", cylinder.material.source, main=True)
-    ]  # fmt: skip
+
+    def under(factor: FloatArray) -> list[Series | Item]:
+        """Items up to the largest stress under factors (n,) on all loads."""
+        return [
+            *known,
+            Series("n", "factor on all loads, sought until the rod yields or buckles", factor, "",
+                   "docs/theory/cylinders.md", main=True),
+            Series("M", "largest moment in the rod under n times the loads: weight, play and "
+                   "deflection", moments(factor), "N mm", "docs/theory/cylinders.md", main=True),
+            Step("S_n", "largest stress of the rod under them", "n*N/A + M/W", "MPa", main=True),
+        ]  # fmt: skip
+
+    factor = _load_factor(lambda n: demand_over(under(n)), most, material.yield_stress)
+    demand = [
+        *under(factor),
+        Step("sigma", "the yield stress over the factor", "R_e/n", "MPa", main=True),
+    ]
     heading = Heading(
         ROD, f"rod of cylinder {loaded.name}",
-        "beam of second order, hinged at both eyes", of=loaded.name,
+        "beam of second order, hinged at both eyes; value is the yield stress over the factor on "
+        "all loads with which it yields, or buckles", of=loaded.name,
     )  # fmt: skip
-    return _worst(loaded, heading, demand, limit)
+    return _worst(loaded, heading, demand, [], equal=("S_n", "R_e"))
 
 
 def _tube(loaded: _Loaded, moment: FloatArray) -> Check:
@@ -252,8 +298,13 @@ def _worst(
     limit: Sequence[Item],
     band: Band = NO_BAND,
     unproved: str = "",
+    equal: tuple[str, str] | None = None,
 ) -> Check:
-    """The check of a demand against a limit at the position where it is largest."""
+    """The check of a demand against a limit at the position where it is largest.
+
+    limit  items of the limit; empty where the first item of the demand is it
+    equal  symbols that agree there, unless it buckles before
+    """
     values = demand_over(demand)
     (position,) = first_largest(values)
     cycle, place, index = loaded.cases[position]
@@ -263,10 +314,14 @@ def _worst(
         cases=(LoadCase("", cycle, place, index, ()),),
         sections=tuple(Section(title, tuple(items)) for title, items in sections if items),
         value=demand[-1].symbol,
-        limit=limit[-1].symbol,
+        limit=(limit or demand[:1])[-1].symbol,
         unproved=unproved,
         bars=band.bars,
     )
+    if equal:
+        reached, sought = (derivation.number(symbol) for symbol in equal)
+        if abs(reached - sought) <= _CLOSE * sought:
+            derivation = replace(derivation, equal=(equal,))
     check = Check(
         part="linkage",
         kind=heading.kind.name,

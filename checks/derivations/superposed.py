@@ -16,7 +16,7 @@ from checks.part.derived import load_case, numbers
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import Derivation, Given, Item, Section, Step, Superposition, UnitLoad
 from checks.strength.fatigue_assessment import FatigueUse
-from checks.strength.part_strength import endurance_of, equivalent_diameter
+from checks.strength.part_strength import endurance_of, equivalent_diameter, evenly_stressed
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import RungLevel, Stressed, UnitName
 from fatigue import critical_plane, findley_criterion
@@ -233,8 +233,7 @@ def _ultimate(part: Part) -> Given:
 
 
 def _items(part: Part) -> list[Item]:
-    evenly = part.geometry.stressed_evenly
-    load = "axial" if evenly else "bending"
+    load = "axial" if evenly_stressed(part) else "bending"
     limit = endurance_of(part)
     return [
         _ultimate(part),
@@ -280,7 +279,7 @@ def _surface(part: Part) -> Step:
 
 
 def _size(part: Part) -> list[Item]:
-    if part.geometry.stressed_evenly:
+    if evenly_stressed(part):
         return [Given("k_b", "size: none in axial force", 1.0, "", f"{BOOK}, eq. 6-21")]
     section = part.geometry.stressed_section
     found: list[Item] = []

@@ -8,7 +8,7 @@ from checks.design.errors import DesignError
 from checks.part.loaded_part import LoadedPart
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse, LifeUse
 from checks.strength.finite_life import LifeTask, why_no_curve
-from fatigue.marin import LARGEST_SIZE, ROTATING_AREA, size_factor
+from fatigue.marin import LARGEST_SIZE, ROTATING_AREA, load_factor, size_factor
 from fem.unit_solutions import Elastic
 
 
@@ -22,13 +22,13 @@ def endurance_of(part: Part) -> fatigue.EnduranceLimit:
     """Endurance limit by Marin's factors.
 
     The load factor is for bending where the shape's peaks are local, with a gradient below them,
-    and for axial force where the whole section is stressed alike; there no size factor applies
-    (Shigley, 6-20). The size factor takes an equivalent diameter; of a pin it grows up to the whole
-    diameter as its load goes round it (`checks.part.loaded_part.bent_area`).
+    and for axial force where the whole section is stressed alike (`evenly_stressed`); there no size
+    factor applies (Shigley, 6-20). The size factor takes an equivalent diameter; of a pin it grows
+    up to the whole diameter as its load goes round it (`checks.part.loaded_part.bent_area`).
     """
     ultimate, ratio = part.material.ultimate_stress, part.material.endurance_ratio
     specimen = None if ratio is None else ratio * ultimate
-    if part.geometry.stressed_evenly:
+    if evenly_stressed(part):
         return fatigue.endurance_limit(
             ultimate,
             part.surface,
@@ -44,6 +44,17 @@ def endurance_of(part: Part) -> fatigue.EnduranceLimit:
         reliability=part.reliability,
         specimen_limit=specimen,
     )
+
+
+def evenly_stressed(part: Part) -> bool:
+    """True for a part whose endurance limit is that of axial force, with its load factor.
+
+    Of a bar between bores whose shank decides both limits count, as bores may be pressed otherwise:
+    that of axial force where the size factor of bending is above its load factor.
+    """
+    if part.geometry.stressed_evenly or not part.geometry.shank_decides:
+        return part.geometry.stressed_evenly
+    return size_factor(equivalent_diameter(part)) > load_factor("axial")
 
 
 def equivalent_diameter(part: Part) -> float:
@@ -76,7 +87,7 @@ def life_task(part: Part, duty: Duty) -> LifeTask:
     return LifeTask(
         duty.cycles,
         part.material,
-        part.geometry.stressed_evenly,
+        evenly_stressed(part),
         duty.allowed_damage - duty.damage_so_far,
         begun=duty.damage_so_far > 0,
     )
@@ -92,7 +103,7 @@ def fatigue_use(loaded: LoadedPart) -> FatigueUse | None:
         return FkmUse(loads, part.fkm.reference, ultimate, part.fkm)
     limit = endurance_of(part).value
     if loaded.duty.life == "finite":
-        why = why_no_curve(part.material, limit, axial=part.geometry.stressed_evenly)
+        why = why_no_curve(part.material, limit, axial=evenly_stressed(part))
         if why:
             raise DesignError(loaded.design.file, f"parts.{part.name}.material", why)
         return LifeUse(loads, limit, ultimate, life_task(part, loaded.duty))

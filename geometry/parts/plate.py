@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geometry.bars import Bar, RulingSection, Sections, rectangle
+from geometry.bars import Bar, RulingSection, Section, Sections, rectangle, stretches
 from geometry.mesh import FloatArray, Interface
 from geometry.outlines import Contour, Edges, PlateOutline, bulge_of
 from geometry.parameters import ParameterError, check_above
@@ -25,6 +25,7 @@ _QUARTER = (
 _NEAR = 1e-4  # of a radius: how exactly faces are found
 _STATIONS = 65  # heights of a link, between which they are straight
 _STATED = 1e-3  # mm, how exactly points are usually stated
+_STRAIGHT = 1e-3  # of the bores' distance: how far the sections of a column may lie beside it
 
 Pair = tuple[float, float]
 
@@ -138,6 +139,44 @@ class Plate(Shape):
         cut = self.outline.cut(complex(x, 0.0), 1)
         return None if cut is None else cut.ends
 
+    @property
+    def sections(self) -> Sequence[Section]:
+        """Sections of a straight bar between two bores; none of another plate."""
+        return self._column[0]
+
+    @property
+    def net_section(self) -> float | None:
+        """Least area beside the holes of two bores, mm2."""
+        cuts = [self.outline.cut(bore.centre, 1) for bore in self.bores]
+        areas = [self.thickness * float(np.diff(cut.spans).sum()) for cut in cuts if cut]
+        return min(areas, default=None) if len(self.bores) == 2 else None
+
+    @cached_property
+    def _column(self) -> tuple[Sequence[Section], str]:
+        """Its sections as a column, or why it is none, in words."""
+        if len(self.bores) != 2:
+            return (), "it has more than two holes"
+        if self.windows:
+            return (), "a window is cut out of it"
+        start, stop = self.bores[0].diameter / 2, self.length - self.bores[1].diameter / 2
+        edges = self.outline.outer.edges
+        marks = edges.at(np.array([0.0, 0.5])).real.ravel()  # corners, and where arcs are narrowest
+        even = np.linspace(start, stop, _STATIONS + 2)[1:-1]
+        places = np.union1d(even, marks[(marks > start) & (marks < stop)])
+        walls = [self._walls(float(x)) for x in places]
+        known = np.array([w for w in walls if w is not None])
+        if not start < stop or len(known) < len(walls):
+            return (), "the line between its holes leaves it"
+        aside = float(np.abs(known.sum(axis=1)).max()) / 2
+        if aside > _STRAIGHT * self.length:
+            return (), f"its sections lie up to {aside:.2g} mm beside the line of its holes"
+        heights, thick = np.ptp(known, axis=1), np.full(len(known), self.thickness)
+        own = rectangle(heights, thick)
+        values = np.stack([own.area, own.inertia_z, own.inertia_y], axis=1)
+        moved = [complex(*dict(self.moved).get(bore.name, (0.0, 0.0))) for bore in self.bores]
+        apart = self.bores[1].centre - moved[1] - self.bores[0].centre + moved[0]
+        return stretches(places, values, np.stack([heights, thick], axis=1), abs(apart)), ""
+
     def beyond(self, bore: PlateBore, towards: PlateBore) -> tuple[int, ...]:
         """Bores that hang on a neighbour of a bore, itself included."""
         start, found = self.bores.index(bore), [self.bores.index(towards)]
@@ -244,8 +283,11 @@ class Plate(Shape):
 
     @property
     def told(self) -> tuple[str, ...]:
-        """Notes on its drawing: sentences for the report."""
+        """Notes on its drawing and on checks that it does not have: sentences for the report."""
         said = list(self.notes)
+        why = self._column[1]
+        if why:
+            said.append(f"no column formula judged it, so yield was not checked by one: {why}")
         for name, (x, y) in self.moved:
             if hypot(x, y) > _STATED:
                 said.append(

@@ -314,6 +314,13 @@ class StepPart(Shape):
         """Sections of a straight bar between two bores, as planes cut it; none of another part."""
         return self._column[0]
 
+    @property
+    def net_section(self) -> float | None:
+        """Least area beside the holes of two bores that a bar joins, mm2."""
+        if not self.sections or any(hole.kind != "bore" for hole in self.holes):
+            return None
+        return min(one.area for one in bar_slices(self).at_holes)
+
     @cached_property
     def _column(self) -> tuple[Sequence[Section], str]:
         """Its sections as a column, or why it is not known as one, in words."""

@@ -122,6 +122,11 @@ class TubeRod(Shape):
         return (round_tube_section(name, self.tube_diameter, self.bore),)
 
     @property
+    def net_section(self) -> float:
+        """The eye on both sides of its hole, mm2."""
+        return 2 * self.ligament
+
+    @property
     def walls(self) -> tuple[Walls, ...]:
         """The tube, or the solid rod, between the fillets of the eyes."""
         wall = self.tube_diameter if self.wall is None else self.wall

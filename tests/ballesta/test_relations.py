@@ -15,7 +15,9 @@ import pytest
 import loads
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import linkage_of
+from ballesta.pipeline import check_design
 from ballesta.regression.file import band_of
+from checks.design.effort import Effort
 
 from ..small_machine import PLATE, machine
 from .restated import (
@@ -402,3 +404,18 @@ def test_the_order_of_interfaces_does_not_say_where_a_part_is_held(tmp_path):
 def test_couples_are_held_where_none_of_them_enters(offsets, expected, tmp_path):
     design = machine(tmp_path, PLATE, f"parts.rod.offsets={offsets}")
     assert design.parts["rod"].tilt_held_at == expected
+
+
+def test_a_lever_of_two_equal_eyes_is_the_column_that_a_plate_link_is(tmp_path):
+    """It had no column formula: a shank with 1.74 to Johnson's stress passed where 3 is asked."""
+    lever = PLATE.replace('"plate_link"', '{ lever = ["first", "second"] }')
+    lever = lever.replace('width = "30 mm"\n', "").replace('hole = "12 mm"\n', "")
+    holes = 'holes.{} = {{ diameter = "12 mm", eye = "30 mm" }}\n'
+    lever += "".join(holes.format(name) for name in ("first", "second"))
+    found = []
+    for text in (PLATE, lever):
+        result = check_design(machine(tmp_path, text), effort=Effort(fidelity="formula"))
+        own = numbers(result).items()
+        found.append({key: rows for key, rows in own if key[2].startswith(("column", "crooked"))})
+    assert len(found[0]) == 4
+    assert_same(found[1], found[0])

@@ -145,3 +145,36 @@ def test_a_straight_lever_is_a_bar_from_its_first_bore_to_its_last():
     tapered = lever(((0, 30), (100, 50), (160, 30))).link(0.3)
     assert_allclose(tapered.at(np.full((1, 6), 50.0)).area, 10 * 40 / np.sqrt(0.99), rtol=2e-3)
     assert lever(BENT).link(0.3) is None
+
+
+def _waisted(**changes):
+    """Two eyes of 48 mm with a shank of 10 mm between them, 150 mm apart, in one outline."""
+    upper = [174 + 24j, 105 + 24j, 90 + 5j, 60 + 5j, 45 + 24j, -24 + 24j]
+    corners = [*upper, *(point.conjugate() for point in upper[::-1])]
+    holes = tuple(Contour.round(complex(x), 10.0) for x in (0.0, 150.0))
+    outline = PlateOutline(Contour.either_way(corners, [0.0] * len(corners)), holes)
+    bores = tuple(PlateBore(name, 20.0, (x, 0.0)) for name, x in (("a", 0.0), ("b", 150.0)))
+    return Plate(outline, bores, 8.0, **changes)
+
+
+def test_a_plate_between_two_bores_is_a_column_of_its_least_sections():
+    plate = _waisted()
+    covered = [place for section in plate.sections for place in section.stretch]
+    assert covered[0] == 0.0
+    assert covered[-1] == 150.0
+    assert covered[1:-1:2] == covered[2::2]
+    shank = next(one for one in plate.sections if one.stretch[0] < 75 < one.stretch[1])
+    assert_allclose((shank.area, shank.inertia_in_plane), (80.0, 8 * 10**3 / 12), rtol=1e-12)
+    assert_allclose(shank.inertia_out_of_plane, 10 * 8**3 / 12, rtol=1e-12)
+    assert shank.stretch == pytest.approx((60.0, 90.0), abs=2.2)  # its corners, and a station
+    assert plate.net_section == pytest.approx(8 * (48 - 20), rel=1e-12)
+    assert plate.shank_decides
+    assert not lever(((0, 30), (100, 30))).shank_decides
+    moved = _waisted(moved=(("b", (0.04, 0.0)),))  # as the linkage has its pins
+    assert moved.sections[-1].stretch[1] == pytest.approx(149.96, rel=1e-15)
+
+
+def test_a_plate_that_is_no_column_says_why():
+    plate = lever(STRAIGHT)
+    assert not plate.sections
+    assert [said for said in plate.told if "no column" in said and "more than two holes" in said]

@@ -9,8 +9,10 @@ import pytest
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
 from checks.part.loaded_part import LoadedPart, bent_area
-from checks.strength.part_strength import beyond_size_data, equivalent_diameter
+from checks.strength.part_strength import beyond_size_data, endurance_of, equivalent_diameter
 from checks.stress.solid_mesh_level import Models
+
+from ...small_machine import PLATE, machine
 
 DESIGNS = Path(__file__).parents[3] / "designs"
 
@@ -74,3 +76,22 @@ def test_a_size_factor_beyond_the_end_of_its_data_is_told_with_the_last_that_has
 )
 def test_nothing_is_told_where_the_factor_has_data_or_is_not_used(within):
     assert beyond_size_data(within) is None
+
+
+ROD = PLATE.replace("plate_link", "tube_rod").replace(
+    'width = "30 mm"\nthickness = "8 mm"\n',
+    'tube_diameter = "8 mm"\neye_diameter = "EYE"\neye_width = "10 mm"\nfillet = "10 mm"\n',
+)
+
+
+@pytest.mark.parametrize(
+    ("eye", "axial"),
+    [
+        ("20 mm", False),  # 8 mm beside the hole: its peak is above the shank's stress
+        ("30 mm", True),  # 160 mm2 of it beside a shank of 50 mm2, which is pulled evenly
+    ],
+)
+def test_a_shank_that_is_pulled_evenly_has_the_load_factor_of_axial_force(eye, axial, tmp_path):
+    """Shigley, 9th ed., 6-20 and 6-26: 0.85 and no size factor; it had 1 and that of bending."""
+    limit = endurance_of(machine(tmp_path, ROD.replace("EYE", eye)).parts["rod"])
+    assert (limit.load, limit.size == 1.0) == ((0.85, True) if axial else (1.0, False))

@@ -1,0 +1,81 @@
+"""Validity checks of loads: what a bore lacks of the force of its pin."""
+
+import math
+
+import pytest
+
+from ballesta.machine.validity_checks import endless_gates, load_gates
+
+from ...small_machine import PLATE, machine, solved
+
+SLIDER = """
+[parts.slider]
+body = "slider"
+shape = "plate_link"
+interfaces = { first = "B", second = "T" }
+material = "S275"
+width = "30 mm"
+thickness = "8 mm"
+hole = "12 mm"
+"""
+PIN = """
+[parts.pin]
+joint = "B"
+shape = "pin"
+fixed_to = "slider"
+material = "C45"
+diameter = "12 mm"
+stack = [
+  { body = "rod", at = "0 mm", width = "8 mm" },
+  { body = "slider", at = "10 mm", width = "4 mm" },
+  { force = "push", at = "20 mm", width = "4 mm" },
+]
+"""
+ADDED = ("points.T=244, -12 mm", 'bodies.slider.pins=["B", "T"]', "bodies.slider.centre=50, 0 mm")
+
+
+def gates(folder, text, *overrides):
+    design = machine(folder, text, *ADDED, *overrides)
+    found = load_gates(design, solved(design))
+    return [gate for gate in found if gate.name == "turn: pin in first of slider"]
+
+
+def test_a_force_at_a_pin_does_not_unload_the_pins_bore(tmp_path):
+    """Rod and push meet at B: 400 N in the bore of the slider, of which the sum left 40 N."""
+    (gate,) = gates(tmp_path, SLIDER)
+    assert gate.binding
+    assert gate.value > 0.85
+    assert "force 'push'" in gate.cure
+
+
+def test_a_guide_takes_what_stands_across_it(tmp_path):
+    """The rod of 161 mm stands up to 72 mm aslant: cos 26.6 deg of its force are left."""
+    (gate,) = gates(tmp_path, SLIDER, "forces.push.at=T")
+    assert gate.value == pytest.approx(1 - math.cos(math.asin(72 / 161)), abs=0.01)
+    assert "joint 'guide:slider'" in gate.cure
+    assert "push" not in gate.cure
+
+
+def test_a_force_by_an_eye_on_the_pin_comes_through_it(tmp_path):
+    (gate,) = gates(tmp_path, SLIDER + PIN)
+    assert "push" not in gate.cure
+
+
+def test_a_bore_without_a_pin_has_all_that_acts_there(tmp_path):
+    text = SLIDER.replace('first = "B", second = "T"', 'first = "T", second = "B"')
+    design = machine(tmp_path, text, *ADDED, "forces.push.at=T")
+    names = [gate.name for gate in load_gates(design, solved(design)) if "pin in" in gate.name]
+    assert names == ["turn: pin in second of slider"]
+
+
+def test_aluminium_has_no_life_without_end(tmp_path):
+    """Safety of a rod in 1e12 runs: 0.95 by a finite life, 1.49 by an endless one."""
+    aluminium = PLATE.replace('"S275"', '"6082-T6"')
+    for runs, open_ in (("5e8", 0), ("1e9", 1)):
+        design = machine(tmp_path, aluminium, f"duty.cycles.turn={runs}")
+        assert len(endless_gates(design)) == open_
+    (gate,) = endless_gates(design)
+    assert gate.binding
+    assert gate.value == 2.0
+    assert not endless_gates(machine(tmp_path, aluminium, "duty.cycles.turn=1e9", gate.key))
+    assert not endless_gates(machine(tmp_path, PLATE, "duty.cycles.turn=1e12"))
