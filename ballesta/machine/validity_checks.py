@@ -258,13 +258,17 @@ def _past_pins(design: Design, name: str, cycle: loads.CycleLoads) -> Iterator[G
     """Gates for bores at whose point more acts on the body than what comes through the pin.
 
     A part has the sum of both in its bore, as nothing says where else guides and forces enter it.
+    Contacts on one of its own faces are none of that.
     """
     through = {
         (pin.joint, seat.force) for pin in design.parts.values() for seat in pin.stack if seat.force
     }
+    slides = design.slides
     for part in design.parts.values():
+        faces = {f"joint {slides[at].name!r}" for at in part.interfaces.values() if at in slides}
         for interface, point in part.interfaces.items() if part.body else ():
-            acting = [one for one in cycle.body_loads(str(part.body)) if one.point == point]
+            every = [one for one in cycle.body_loads(str(part.body)) if one.point == point]
+            acting = [one for one in every if one.source not in faces]
             own = [one for one in acting if _through_pin(cycle, one.source, point, through)]
             pinned = any(
                 isinstance(joint, loads.Revolute) and f"joint {joint.name!r}" == one.source

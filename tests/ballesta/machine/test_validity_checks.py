@@ -1,9 +1,13 @@
 """Validity checks of loads: what a bore lacks of the force of its pin."""
 
 import math
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
+from ballesta.design.read import read_design
+from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.machine.validity_checks import endless_gates, load_gates
 
 from ...small_machine import PLATE, machine, solved
@@ -31,6 +35,7 @@ stack = [
   { force = "push", at = "20 mm", width = "4 mm" },
 ]
 """
+QUICK_RETURN = Path(__file__).parents[3] / "designs" / "quick_return.toml"
 ADDED = ("points.T=244, -12 mm", 'bodies.slider.pins=["B", "T"]', "bodies.slider.centre=50, 0 mm")
 
 
@@ -66,6 +71,16 @@ def test_a_bore_without_a_pin_has_all_that_acts_there(tmp_path):
     design = machine(tmp_path, text, *ADDED, "forces.push.at=T")
     names = [gate.name for gate in load_gates(design, solved(design)) if "pin in" in gate.name]
     assert names == ["turn: pin in second of slider"]
+
+
+def test_a_slots_face_is_no_bore(tmp_path):
+    """The lever's slot stands at its pivot's point in the linkage, and presses on its own faces."""
+    design = read_design(QUICK_RETURN, ["cycles.at_10_loaded.positions=37"])
+    name = "at_10_loaded"
+    design = replace(design, cycles={name: design.cycles[name]})
+    found = load_gates(design, solve_cycles(design, {}))
+    values = {gate.name: gate.value for gate in found if "pin in" in gate.name}
+    assert values == {f"{name}: pin in first of crank": 0.0}
 
 
 def test_aluminium_has_no_life_without_end(tmp_path):
