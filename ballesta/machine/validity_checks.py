@@ -45,8 +45,8 @@ def load_gates(
 def endless_gates(design: Design) -> list[Gate]:
     """Gates for metals without an endurance limit whose duty goes on beyond their tests.
 
-    A ratio at 1e6 cycles is that of a metal that has a limit, or the value at the end of the FKM
-    guideline's curve; one at more is where tests of rotating bars were stopped.
+    A ratio at 1e6 cycles belongs to a metal with a limit, or to the end of the FKM guideline's
+    curve; one at more is where tests of rotating bars were stopped.
     """
     duty = design.duty
     if duty.life == "finite":

@@ -47,10 +47,10 @@ def endurance_of(part: Part) -> fatigue.EnduranceLimit:
 
 
 def evenly_stressed(part: Part) -> bool:
-    """True for a part whose endurance limit is that of axial force, with its load factor.
+    """True for a part whose endurance limit has the load factor of axial force.
 
-    Of a bar between bores whose shank decides both limits count, as bores may be pressed otherwise:
-    that of axial force where the size factor of bending is above its load factor.
+    Of a bar between bores whose shank decides the lower limit counts, as its bores are bent: axial
+    force where the size factor of bending is above the load factor.
     """
     if part.geometry.stressed_evenly or not part.geometry.shank_decides:
         return part.geometry.stressed_evenly

@@ -314,7 +314,7 @@ class StepPart(Shape):
         """Sections of a straight bar between two bores, as planes cut it; none of another part."""
         return self._column[0]
 
-    @property
+    @cached_property
     def net_section(self) -> float | None:
         """Least area beside the holes of two bores that a bar joins, mm2."""
         if not self.sections or any(hole.kind != "bore" for hole in self.holes):
