@@ -16,7 +16,8 @@ import numpy as np
 from scipy.stats import qmc
 
 from ballesta.design.read import read_design
-from ballesta.machine.solved_cycles import compliances_of, part_masses, solve_cycles
+from ballesta.machine.elastic_parts import compliances_of
+from ballesta.machine.solved_cycles import part_masses, solve_cycles
 from bench.beams import BOUNDS, drawn_beams
 from bench.levers import TURNS, Drawn, drawn_levers
 from checks.design.data import Design, Part

@@ -224,6 +224,6 @@ def _compliances(
     """Compliances of the bodies that give way as their parts do, for which these are solved."""
     if not any(parts_that_give(design)):
         return None
-    from ballesta.machine.solved_cycles import compliances_of
+    from ballesta.machine.elastic_parts import compliances_of
 
     return compliances_of(design, models, say)

@@ -20,9 +20,9 @@ from ballesta.machine.drive_speed import (
     speed_doubts,
     speed_gates,
 )
+from ballesta.machine.elastic_parts import compliances_of
 from ballesta.machine.quasi_static import CycleVibration, vibration_warnings
 from ballesta.machine.solved_cycles import (
-    compliances_of,
     part_masses,
     solve_cycles,
     try_cycles,

@@ -17,7 +17,7 @@ from geometry.shape import Body, Region, Shape
 from geometry.step_file import StepSolid, extruded, file_hash, import_solid, survey_plate, surveyed
 
 if TYPE_CHECKING:
-    from geometry.cad_body import Slice
+    from geometry.slices import Slice
 
 _PARALLEL = radians(0.1)
 _BORE_ELEMENTS = 9.0  # elements along the radius of a named hole, as in the parametric parts
@@ -324,7 +324,7 @@ class StepPart(Shape):
     @cached_property
     def _column(self) -> tuple[Sequence[Section], str]:
         """Its sections as a column, or why it is not known as one, in words."""
-        from geometry.cad_body import in_stretches
+        from geometry.slices import in_stretches
 
         if len(self.holes) != 2:
             return (), "it has more than two holes"
@@ -513,7 +513,8 @@ def bar_slices(shape: StepPart) -> BarSlices:
 
     A batch asks for the same part again and again.
     """
-    from geometry.cad_body import cad_skin, sliced
+    from geometry.cad_body import cad_skin
+    from geometry.slices import sliced
 
     skin = cad_skin(shape, _FACETS)
     low, high = float(skin.nodes[:, 0].min()), float(skin.nodes[:, 0].max())

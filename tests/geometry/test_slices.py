@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from geometry.cad_body import Skin, cad_skin, in_stretches, skin_of, sliced
+from geometry.cad_body import Skin, cad_skin, skin_of
 from geometry.mesh import MeshError
 from geometry.meshing import gmsh_session
 from geometry.parts import PlateLink, PrismaticTube, TubeRod
+from geometry.slices import in_stretches, sliced
 
 BORE = 12.0
 LINK = PlateLink(length=100.0, width=30.0, thickness=8.0, hole=BORE)

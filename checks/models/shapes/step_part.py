@@ -34,9 +34,9 @@ from checks.models.formula_points import XX, Points
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import ElasticLoad, RungModel, no_answer
-from geometry.cad_body import Slice
 from geometry.mesh import FloatArray
 from geometry.parts.step_part import StepPart, bar_slices
+from geometry.slices import Slice
 
 _STRAIGHT = 1e-3  # of the outermost holes' distance: how far a hole may stand beside the line
 _BESIDE = 1e-9  # of it: how far a section just beside a hole is from the hole's axis

@@ -11,13 +11,8 @@ from numpy.testing import assert_allclose
 from ballesta.commands.loads_command import loads_of_file
 from ballesta.commands.plan import plan
 from ballesta.design.read import read_design
-from ballesta.machine.solved_cycles import (
-    body_compliance,
-    compliances_of,
-    linkage_of,
-    part_masses,
-    solve_cycles,
-)
+from ballesta.machine.elastic_parts import body_compliance, compliances_of
+from ballesta.machine.solved_cycles import linkage_of, part_masses, solve_cycles
 from checks.design.errors import DesignError
 from checks.part.loaded_part import FIRST
 from checks.strength.part_strength import elastic_of

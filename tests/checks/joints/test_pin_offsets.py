@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from ballesta.commands.plan import plan
 from ballesta.design.read import read_design
-from ballesta.machine.solved_cycles import body_compliance
+from ballesta.machine.elastic_parts import body_compliance
 from ballesta.machine.warnings_of import design_warnings
 from checks.design.errors import DesignError
 from checks.part.loaded_part import LoadedPart, check_reach

@@ -7,7 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from ballesta.design.read import read_design
-from ballesta.machine.solved_cycles import compliances_of, solve_cycles
+from ballesta.machine.elastic_parts import compliances_of
+from ballesta.machine.solved_cycles import solve_cycles
 from checks.design.materials import known_materials
 from checks.ladder import leaf_checks, leaf_friction
 from checks.ladder.leaf_checks import gap_gate, with_leaf_checks
