@@ -12,13 +12,21 @@ BEGINNINGS = ("What", "Whether")
 SAID = ("is told", "that of")
 
 
+def statements(node):
+    """A module or statement and all statements in it; expressions, most of a tree, have none."""
+    yield node
+    for child in ast.iter_child_nodes(node):
+        if not isinstance(child, ast.expr):
+            yield from statements(child)
+
+
 @cache
 def docstrings(folder):
     """Place and text of every docstring in a folder."""
     found = []
     for file in sorted((ROOT / folder).rglob("*.py")):
         tree = ast.parse(file.read_text(encoding="utf-8"))
-        for node in ast.walk(tree):
+        for node in statements(tree):
             if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
                 text = ast.get_docstring(node)
                 if text:
