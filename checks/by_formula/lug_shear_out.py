@@ -83,7 +83,10 @@ def _pull(wrench: FloatArray, ligament: "Ligament | AllRound") -> tuple[FloatArr
     if ligament.direction is None:
         pull = np.hypot(*force.T)
     else:
-        pull = np.maximum(force @ np.array(ligament.direction), 0.0)
+        x, y = ligament.direction
+        pull = np.maximum(force @ np.array([x, y]), 0.0)
+        if ligament.round:
+            pull = np.hypot(pull, force @ np.array([-y, x]))
     return pull, np.full(len(pull), ligament.area)
 
 

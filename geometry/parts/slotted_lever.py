@@ -21,6 +21,8 @@ from geometry.parameters import (
 from geometry.parts._plates import bore_at, drill, stadium
 from geometry.shape import Body, Ligament, Region, Shape, faces_where
 
+_EDGES = ((1.0, ">"), (-1.0, "<"))
+
 
 @dataclass(frozen=True)
 class SlottedLever(Shape):
@@ -178,15 +180,20 @@ class SlottedLever(Shape):
         }
 
     def ligaments(self, interface: str) -> Sequence[Ligament]:
-        """The plate behind a hole and, on its other side, up to the slot; a boss is left out."""
+        """The plate behind a hole, on its other side up to the slot, and beside it; without a boss.
+
+        Square ends, whose material is no less than in proportion, bear what points to each side.
+        """
         direction, end = self.outward(interface)
         inner = self.slot_from if interface == "pivot" else self.length - self.slot_to
-        behind, before = (
-            self.thickness * (reach - self.hole / 2) for reach in (self.beyond, inner)
+        behind, before, beside = (
+            self.thickness * (reach - self.hole / 2)
+            for reach in (self.beyond, inner, self.width / 2)
         )
         return [
-            Ligament(direction, behind, end),
+            Ligament(direction, behind, end, round=self.overhang is None),
             Ligament((-direction[0], 0.0), before, "the slot"),
+            *(Ligament((0.0, y), beside, f"the edge at y {sign} 0") for y, sign in _EDGES),
         ]
 
     @property

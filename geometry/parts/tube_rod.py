@@ -250,7 +250,7 @@ class TubeRod(Shape):
     def ligaments(self, interface: str) -> Sequence[Ligament]:
         """The eye behind a hole: a ball cut flat."""
         direction, end = self.outward(interface)
-        return [Ligament(direction, self.ligament, end)]
+        return [Ligament(direction, self.ligament, end, round=True)]
 
     @property
     def ruling_sections(self) -> tuple[RulingSection, ...]:

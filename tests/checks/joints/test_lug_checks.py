@@ -57,7 +57,8 @@ def test_a_hole_bears_the_largest_force_over_diameter_and_thickness(tmp_path):
         machine(tmp_path),
         {"first": [(0, 0, 0), (along, along, 0)], "second": [(-10, 0, 0), (-along, -along, 0)]},
     )
-    assert [check.kind for check in found] == ["bearing"]
+    assert [check.kind for check in found] == ["bearing", "shear-out"]
+    assert_allclose(found[1].value, along / (2 * 72))  # across; it points into the rod
     assert_allclose(found[0].value, 5000 / 96)
     assert found[0].limit == 275
     assert found[0].position == "k = 1"
@@ -154,22 +155,39 @@ def test_a_lug_or_bush_that_is_narrower_than_the_hole_bears_on_its_own_width(tmp
     assert_allclose(checks_of(machine(tmp_path, PLATE + bushed), wrenches)[0].value, 5000 / 72)
 
 
-def test_only_what_pulls_towards_the_end_tears_a_pin_out(tmp_path):
-    """3000 N towards x < 0 at the first hole: F / (2 t (W - d)/2) = 3000 / (2 x 72 mm2)."""
+def test_the_worst_bore_and_position_tear_a_pin_out(tmp_path):
+    """3000 N towards x < 0 and 9000 across at the first hole, over 2 t (W - d)/2 = 2 x 72 mm2."""
     wrenches = {
         "first": [(4000, 9000, 0), (-3000, 9000, 0)],
         "second": [(-4000, -9000, 0), (1000, -9000, 0)],
     }
     _, torn = checks_of(machine(tmp_path), wrenches)
     assert torn.kind == "shear-out"
-    assert_allclose(torn.value, 3000 / (2 * 8 * (30 - 12) / 2))
+    assert_allclose(torn.value, np.hypot(3000, 9000) / (2 * 8 * (30 - 12) / 2))
     assert_allclose(torn.limit, 275 / 3**0.5)
     assert (torn.position, torn.place) == ("k = 1", "first, towards the end at x < 0")
 
 
 def test_a_pushed_link_has_nothing_to_tear_out(tmp_path):
-    found = checks_of(machine(tmp_path), {"first": [(900, 5, 0)], "second": [(-900, -5, 0)]})
+    found = checks_of(machine(tmp_path), {"first": [(900, 0, 0)], "second": [(-900, 0, 0)]})
     assert [check.kind for check in found] == ["bearing"]
+
+
+def test_a_link_is_torn_by_all_of_a_force_that_does_not_point_into_it(tmp_path):
+    """300 N outwards and 400 N aside: 500 N over two planes of 8 x 9 mm; inwards the 400 N alone.
+
+    A rod's eye is as round.
+    """
+    design = machine(tmp_path)
+    for along, force in ((-300, 500), (300, 400)):
+        wrenches = {"first": [(along, 400, 0)], "second": [(-along, -400, 0)]}
+        found = next(c for c in checks_of(design, wrenches) if c.kind == "shear-out")
+        assert_allclose(found.value, force / (2 * 72))
+    eye = TubeRod(length=200, tube_diameter=20, eye_diameter=30, eye_width=20, hole=16)
+    assert all(one.round for one in eye.ligaments("first"))
+
+
+EDGES = {"the edge at y > 0": 88.0, "the edge at y < 0": 88.0}  # 15 - 4 mm beside a hole
 
 
 class Of:
@@ -201,7 +219,7 @@ class Of:
                 length=220, width=30, thickness=8, hole=8, slot_width=12, slot_from=28, slot_to=192,
             ),
             "pivot",
-            {"the end at x < 0": 88.0, "the slot": 192.0},
+            {"the end at x < 0": 88.0, "the slot": 192.0, **EDGES},
         ),
         (
             SlottedLever(
@@ -209,7 +227,7 @@ class Of:
                 overhang=10,
             ),
             "tip",
-            {"the end at x > 220 mm": 48.0, "the slot": 208.0},
+            {"the end at x > 220 mm": 48.0, "the slot": 208.0, **EDGES},
         ),
     ],
 )  # fmt: skip
