@@ -443,15 +443,15 @@ class _Search:
             try:
                 return some.placed.at(own).unit_motions(rows, _PLANES[case.plane])
             except LooseFrameError as error:
-                raise self._loose(case.plane, error) from error
+                raise self._loose(case, error) from error
 
         keys = [(self._frame, self._pose(*some.places[n]), case) for n in asked]
         return self._motions.of(keys, solve)
 
-    def _loose(self, plane: str, error: LooseFrameError) -> loads.LinkageError:
+    def _loose(self, case: _Case, error: LooseFrameError) -> loads.LinkageError:
         """The error of a frame that moves without strain, with bars of very unlike stiffness."""
         stiffness = {
-            self.model.links[n].name: self.model.bending(n, plane)
+            self.model.links[n].name: self.model.bending(n, case.plane)
             / (bar.main[1] - bar.main[0]) ** 3
             for n, bar in self.model.bars.items()
         }
@@ -463,7 +463,12 @@ class _Search:
                 f", as far as double precision tells: {stiff} is {ratio:.1g} times as stiff "
                 f"against bending as {soft}; check the sections and lengths of both"
             )
-        return loads.LinkageError(f"buckling of the linkage, {plane}: {error}{apart}")
+        elif case == _SOFT:
+            apart = (
+                " where no pin holds its bodies against tilting (soft forks); where bearings or "
+                'cheeks hold them, state forks = "stiff"'
+            )
+        return loads.LinkageError(f"buckling of the linkage, {case.plane}: {error}{apart}")
 
     def _modes(self, name: str, k: int, case: _Case) -> FrameModes:
         here = Together(name, self._forces[name], np.array([k]))
@@ -471,7 +476,7 @@ class _Search:
         try:
             return here.placed.at(0).buckling(rows, here.geometric[0], _PLANES[case.plane])
         except LooseFrameError as error:
-            raise self._loose(case.plane, error) from error
+            raise self._loose(case, error) from error
 
     def factor(self, name: str, k: int, case: _Case) -> float | None:
         """The lowest factor of a position in a case, proven to be the lowest; None for none."""

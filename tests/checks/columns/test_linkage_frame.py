@@ -381,6 +381,17 @@ def test_a_crank_that_turns_round_holds_a_four_bar_that_would_swing_about_its_su
     assert 223.6 / 2 < mode.effective_length < 223.6 * 1.5
 
 
+def test_what_soft_forks_leave_loose_is_asked_for_stiff_ones(tmp_path, monkeypatch):
+    """Crank and rocker that only swing, were the crank no shaft; stiff forks hold both."""
+    monkeypatch.setattr("checks.columns.linkage_frame.shafts", lambda _: frozenset())
+    (tmp_path / "four_bar.toml").write_text(FOUR_BAR, encoding="utf-8")
+    design = read_design(tmp_path / "four_bar.toml")
+    runs = solved(design)
+    with pytest.raises(ValueError, match=r'without strain where .* state forks = "stiff"$'):
+        worst_mode(design, runs)
+    assert worst_mode(replace(design, forks="stiff"), runs).factor > 0
+
+
 @pytest.mark.slow
 def test_a_crank_whose_block_nothing_else_holds_sideways_is_held_by_the_slot(monkeypatch):
     """Quick return, were its crank no shaft: it is pinned to the ground and to the block only."""
