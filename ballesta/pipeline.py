@@ -71,7 +71,7 @@ NOT_CHECKED = (
     "contact fatigue, wear and lubrication of pins and bushes",
     "welds, screws, circlips and other fasteners",
     "keys, splines and press fits that bring a couple into a bore",
-    "frame, guides, cylinder and mould",
+    "frame, guides, and bodies and cylinders that no entry describes",
     "lateral loads, and clearances that no column states as its eccentricity",
     "vibration out of the plane, of drive and frame, and after an impact",
     "corrosion, temperature, residual stress and manufacturing defects",

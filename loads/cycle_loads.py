@@ -384,12 +384,19 @@ class CycleLoads:
             reaches=reaches,
         )
 
+    def _meets_a_force(self, point: str, body: str) -> bool:
+        """True if a force acts on a body at a point."""
+        forces = {f"force {acting.name!r}" for acting in self.linkage.forces}
+        acting_here = [load for load in self.body_loads(body) if load.point == point]
+        return any(load.source in forces for load in acting_here)
+
     def pin_history(self, point: str, seats: Mapping[str, str], fixed_to: str) -> LoadHistory:
         """Return the loads on the massless pin of a joint (seat name -> body or force it carries).
 
         The pin gives every body its joint reactions at the point. A force between two points that
-        acts there pulls at the pin itself, which hands it on to the body it is stated on. Axes of
-        the body ``fixed_to``; locations are the pin's own centre; no body load.
+        acts there pulls at the pin itself, which hands it on to the body it is stated on. Where no
+        joint is, a pin in the one body that a force meets, such as a cylinder's, has these two.
+        Axes of the body ``fixed_to``; locations are the pin's own centre; no body load.
         """
         n = len(self.positions)
         bodies: dict[str, tuple[FloatArray, FloatArray]] = {}
@@ -400,6 +407,8 @@ class CycleLoads:
             for body, sign in ((joint.body_b, -1.0), (joint.body_a, 1.0)):
                 force, moment = bodies.get(body, (np.zeros((n, 2)), np.zeros(n)))
                 bodies[body] = (force + sign * load.force, moment + sign * load.friction_couple)
+        if not bodies and self._meets_a_force(point, fixed_to):
+            bodies[fixed_to] = (np.zeros((n, 2)), np.zeros(n))
         if not bodies:
             pins = {joint.point for joint in self.linkage.joints if isinstance(joint, Revolute)}
             raise LinkageError(f"no pin is at point {point!r}; {nearest(point, pins)}")

@@ -399,22 +399,23 @@ def _traced_anew(kinematics: Kinematics, coordinate: Coordinate, low: float, hig
     start = float(kinematics.value(coordinate, pose)[0])
     scale = max(abs(low), abs(high), abs(start), 1e-3 * kinematics.coordinate_scale(coordinate))
     knots = [(start, pose, _tangent(kinematics, coordinate, start, pose))]
-    for end in (low, high):
-        if (end < start) == (end == low) and abs(end - start) > 1e-13 * scale:
-            try:
+    try:
+        for end in (low, high):
+            if (end < start) == (end == low) and abs(end - start) > 1e-13 * scale:
                 knots += _walk(kinematics, coordinate, knots[0], end)
-            except LinkageError as error:
-                if low - 1e-9 * scale <= start <= high + 1e-9 * scale:
-                    raise
-                raise LinkageError(f"{error}{_turns_away(coordinate, end, start)}") from error
-    knots.sort(key=lambda knot: knot[0])
-    if len(knots) == 1:
-        raise LinkageError(f"{coordinate.label} does not change: {low:g} to {high:g}")
-    # the assembled value and the asked end may differ by rounding only
-    knots[0] = (min(knots[0][0], low), *knots[0][1:])
-    knots[-1] = (max(knots[-1][0], high), *knots[-1][1:])
-    path = _path(kinematics, coordinate, knots)
-    check_change_points(kinematics, coordinate, path.values, path.poses, start, path.poses_at)
+        knots.sort(key=lambda knot: knot[0])
+        if len(knots) == 1:
+            raise LinkageError(f"{coordinate.label} does not change: {low:g} to {high:g}")
+        # the assembled value and the asked end may differ by rounding only
+        knots[0] = (min(knots[0][0], low), *knots[0][1:])
+        knots[-1] = (max(knots[-1][0], high), *knots[-1][1:])
+        path = _path(kinematics, coordinate, knots)
+        check_change_points(kinematics, coordinate, path.values, path.poses, start, path.poses_at)
+    except LinkageError as error:
+        if low - 1e-9 * scale <= start <= high + 1e-9 * scale:
+            raise
+        end = high if start < low else low
+        raise LinkageError(f"{error}{_as_drawn(coordinate, end, start)}") from error
     return path
 
 
@@ -462,15 +463,17 @@ def _walk(kinematics: Kinematics, coordinate: Coordinate, knot: _Knot, end: floa
     return knots
 
 
-def _turns_away(coordinate: Coordinate, end: float, start: float) -> str:
-    """Question in words where an angle is full turns beside one that is near the start."""
+def _as_drawn(coordinate: Coordinate, end: float, start: float) -> str:
+    """Say in words where the points are drawn, from where a path is led past all to its far end.
+
+    An angle may have been meant full turns beside it.
+    """
+    drawn = f"; as drawn it is {in_words(coordinate, start)}"
     turns = round((end - start) / (2 * np.pi)) if coordinate.angular else 0
     meant = end - 2 * np.pi * turns
-    if not turns or abs(meant - start) > np.pi / 2:
-        return ""
-    return (
-        f"; as drawn it is {in_words(coordinate, start)}: is {in_words(coordinate, meant)} meant?"
-    )
+    if turns and abs(meant - start) <= np.pi / 2:
+        return f"{drawn}: is {in_words(coordinate, meant)} meant?"
+    return f"{drawn}, and is led from there: draw the points within the cycle"
 
 
 def _step(

@@ -7,6 +7,7 @@ from typing import Any
 
 import loads
 from ballesta.design.files import Sources
+from ballesta.design.linkage import bodies_at
 from ballesta.design.plate_parts import (
     beam_geometry,
     plate_geometry,
@@ -486,6 +487,7 @@ def _sits_in_body(
 def _sits_in_joint(
     key: str, entry: Any, file: DesignFile, pins: Mapping[str, Sequence[str]], problems: Problems
 ) -> bool:
+    pins = {**_eyes(file, pins), **pins}
     if entry.joint not in pins:
         problems.add(f"{key}.joint", no_such("joint", entry.joint, pins))
         return False
@@ -514,6 +516,18 @@ def _sits_in_joint(
             f"{key}.stack", f"joint {entry.joint} also has {listed(absent)}: where on the pin?"
         )
     return len(problems) == told
+
+
+def _eyes(file: DesignFile, pins: Mapping[str, Sequence[str]]) -> dict[str, Sequence[str]]:
+    """Points at which a force meets the one body that has them: a cylinder's eye on its pin."""
+    met = {
+        point
+        for force in file.forces.values()
+        for point in (*(force.between or ()), force.at if force.direction else None)
+        if point is not None and point not in pins
+    }
+    users = {point: bodies_at(point, file) for point in file.points if point in met}
+    return {point: bodies for point, bodies in users.items() if len(bodies) == 1}
 
 
 def _geometry(entry: Any, bodies: Mapping[str, loads.Body]) -> Shape:

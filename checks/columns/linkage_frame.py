@@ -513,7 +513,12 @@ class _Search:
                 f", as far as double precision tells: {stiff} is {ratio:.1g} times as stiff "
                 f"against bending as {soft}; check the sections and lengths of both"
             )
-        cure = '; state forks = "stiff" if they hold it' if self._design.forks == "soft" else ""
+        cure = ""
+        if self._design.forks == "soft" and not apart:
+            cure = (
+                " where no pin holds its bodies against tilting (soft forks); where bearings or "
+                'cheeks hold them, state forks = "stiff"'
+            )
         return _LooseError(f"buckling of the linkage, {plane}: {error}{apart}{cure}", bool(apart))
 
     def _modes(self, name: str, k: int, case: _Case) -> FrameModes:

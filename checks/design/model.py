@@ -347,7 +347,9 @@ class BeamPartEntry(BodyPartEntry):
 class PinPartEntry(PartEntry):
     """A part that joins bodies at a point."""
 
-    joint: str = Field(description="the point whose bodies the pin joins")
+    joint: str = Field(
+        description="the point whose bodies the pin joins, or at which a force meets one body"
+    )
     fixed_to: str = Field(description="the body that the pin turns with")
     stack: list[StackEntry] = Field(min_length=1, description="the lugs on the pin")
 

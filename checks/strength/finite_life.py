@@ -190,9 +190,12 @@ def shortest_life(verdict: DutyVerdict, task: LifeTask) -> DutyLife:
     while done < len(order) and (best is None or least < best.safety * float(bound[order[done]])):
         points = order[done : done + _TOGETHER]
         done += len(points)
-        for life in lives_of(verdict, task, points, below=np.inf if best is None else best.safety):
-            if best is None or life.safety < best.safety:
-                best = life
+        bounds = lives_of(verdict, task, points, bound=True)
+        for least_life in sorted(bounds, key=lambda life: life.safety):
+            if best is None or least_life.safety < best.safety:
+                [life] = lives_of(verdict, task, np.array([least_life.point]))
+                if best is None or life.safety < best.safety:
+                    best = life
     assert best is not None
     return best
 
@@ -202,20 +205,18 @@ def lives_of(
     task: LifeTask,
     points: IntArray,
     factor: float = 1.0,
-    below: float = np.inf,
+    *,
+    bound: bool = False,
 ) -> list[DutyLife]:
     """Return the lives of some points, all loads multiplied by a factor.
 
-    Points whose safety is not below `below` may be left with a bound of it: Findley's plane is
-    searched only where the bound says that it can matter.
+    bound  True for the least that their safeties can be: Findley's planes are not searched
     """
     readings = readings_of(verdict, points, factor)
     lives = _lives(verdict, task, readings)
-    rows = [row for row, life in enumerate(lives) if life.safety < below]
     raised = readings.raised.copy()
-    for row in rows:
-        if raised[row] > 1.0:
-            raised[row] = raised_exactly(verdict, readings.runs[row], lives[row].point)
+    for row in np.flatnonzero(not bound and raised > 1.0):
+        raised[row] = raised_exactly(verdict, readings.runs[row], lives[row].point)
     if (raised != readings.raised).any():
         readings = replace(readings, raised=raised)
         lives = _lives(verdict, task, readings)

@@ -257,6 +257,10 @@ def test_no_static_band_has_what_yields_at_edges_of_ductile_parts(bent, tmp_path
         loaded.part, loaded.loads, by_formula.model, checks[0], "v", bores_of(loaded, by_formula)
     )  # fmt: skip
     assert f"in no band: bent pins, with which it is up to {elastic:.4g} MPa" in told.words
+    told, _ = rung_bars(
+        kept_in.part, kept_in.loads, by_formula.model, checks[2], "v", bores_of(kept_in, by_formula)
+    )  # fmt: skip
+    assert f"above around {elastic:.4g} MPa, to which arcs" in told.words
     use = fatigue_use(loaded)  # not covered by the theorem
     assert bores_of(loaded, by_formula, use).most > bores_of(straight, by_formula, use).most
 

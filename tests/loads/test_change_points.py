@@ -87,3 +87,12 @@ def test_a_linkage_that_no_number_of_steps_tells_from_a_change_point_is_refused(
     monkeypatch.setattr("loads.path._MOST", 5)
     with pytest.raises(LinkageError, match=r"cannot be told from one that can go on in two ways"):
         trace(four_bar(39.87, 100.0, 40.0, 100.0, at=pi / 3), Angle("crank"), 0.1, 6.2)
+
+
+def test_a_cycle_beyond_a_change_point_says_where_its_points_are_drawn():
+    """Drawn at 90 degrees, every way to 182 degrees leads through 180: to begin there is no way."""
+    with pytest.raises(
+        LinkageError,
+        match=r"as drawn it is 90 deg, and is led from there: draw the points within the cycle$",
+    ):
+        led(parallel_four_bars(1, pi / 2), radians(182.0), radians(358.0))

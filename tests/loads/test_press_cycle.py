@@ -147,6 +147,18 @@ def test_the_knee_pin_carries_bars_and_cylinder(press):
         press.pin_history("B", {"cheeks": "upper", "inner": "lower"}, "lower")
 
 
+def test_a_pin_in_one_body_alone_carries_what_a_force_between_points_gives_it(press):
+    """Rear eye of the cylinder on the frame's pin: no joint is there, its force is all there is."""
+    pin = press.pin_history("D", {"bracket": "ground", "eye": "cylinder"}, "ground")
+    knee, rear = press.point("lower", "B"), press.point("ground", "D")
+    reach = (knee - rear) / np.hypot(*(knee - rear).T)[:, None]
+    pulls = press.efforts["cylinder"][:, None] * reach  # positive pulls D and B together
+    assert_allclose(pin.wrenches[:, 1, :2], pulls, atol=1e-9 * np.abs(pulls).max())
+    assert_allclose(pin.wrenches[:, 0], -pin.wrenches[:, 1])
+    with pytest.raises(ValueError, match="no pin is at point 'D'"):
+        press.pin_history("D", {"bracket": "ground", "eye": "cylinder"}, "mould")
+
+
 def test_other_mass_properties_leave_the_first_linkage_alone(press):
     before = press.linkage.body("upper").mass
     heavier = press.linkage.with_mass_properties({"upper": (1.0, (10.0, 0.0), 2.0)})

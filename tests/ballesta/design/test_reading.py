@@ -187,3 +187,25 @@ def test_an_offset_that_no_file_states_may_be_set(tmp_path):
     """Of a part that states none at all: the table is begun."""
     design = machine(tmp_path, PLATE, "parts.rod.offsets.second=-4.3 mm")
     assert design.parts["rod"].offsets["second"] == pytest.approx(-4.3)
+
+
+def test_a_pin_may_hold_a_cylinders_eye_in_one_body(tmp_path):
+    """Rear pivot of the press's cylinder: the frame alone has it, so no joint is there."""
+    pin = """
+[parts.pin_D]
+like = "pin_B"
+joint = "D"
+fixed_to = "ground"
+stack = [
+  { body = "ground", at = "30 mm", width = "10 mm" },
+  { force = "cylinder", at = "0 mm", width = "43 mm" },
+]
+"""
+    file = tmp_path / "press.toml"
+    file.write_text(PRESS.read_text() + pin)
+    design = read_design(file)
+    assert design.parts["pin_D"].interfaces == {"ground": "D", "cylinder": "D"}
+    assert "D" not in design.pins
+    file.write_text(PRESS.read_text() + pin.replace('"cylinder", at', '"process", at'))
+    with pytest.raises(DesignError, match="no force at point D is named 'process'"):
+        read_design(file)

@@ -50,7 +50,7 @@ REFUSED = {
     "no body": ((UPPER, "shape"), r"parts\.bar_upper\.body: must be stated: the body that this part is"),
     "unknown body": ((UPPER, 'body = "uper"\nshape'), r"parts\.bar_upper\.body: no body is named 'uper', did you mean upper\? There are lower, upper, mould"),
     "two parts": (('body = "lower"\ninterfaces = { knee = "B", end = "C"', 'body = "upper"\ninterfaces = { knee = "B", end = "A"'), r"bar_lower\.body: bar_upper is already the part of body upper"),
-    "unknown joint": (('joint = "B"', 'joint = "D"'), r"pin_B\.joint: no joint is named 'D'"),
+    "unknown joint": (('joint = "B"', 'joint = "E"'), r"pin_B\.joint: no joint is named 'E'"),
     "unknown shape": (('shape = "toggle_bar"', 'shape = "togle_bar"'), r"parts\.bar_upper: no shape is named 'togle_bar', did you mean toggle_bar\? There are i_beam, leaf_pack, pin, plate_link"),
     "unknown material": (('material = "S355"', 'material = "S335"'), r"bar_upper\.material: no material is named 'S335', did you mean S355\?"),
     "unknown interface": (('{ knee = "B", end = "A" }', '{ kne = "B", end = "A" }'), r"interfaces\.kne: no interface of toggle_bar is named 'kne', did you mean knee\?"),

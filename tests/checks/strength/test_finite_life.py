@@ -174,16 +174,9 @@ def test_the_pair_of_a_life_is_that_of_the_cycle_that_does_most_damage():
     assert life.pair == (3, 4)
 
 
-@pytest.mark.parametrize("seed", [12, 17, 20])
-def test_the_worst_of_many_points_is_found_where_tension_and_planes_decide(seed, monkeypatch):
-    """Points of pressure, of mean tension and of circles: the bound must cover them all.
-
-    It is asked every four points, as a part's is many times; a bound that leaves out the mean
-    tension misses the worst point of each of these seeds.
-    """
-    monkeypatch.setattr("checks.strength.finite_life._TOGETHER", 4)
+def under_waves(seed, count=40):
+    """Verdict and task of points of pressure, of mean tension and of circles."""
     rng = np.random.default_rng(seed)
-    count = 40
     basis = rng.normal(size=(count, 6, 3)) * rng.uniform(0.2, 1, size=(count, 1, 1))
     basis[:, :3] += rng.normal(size=(count, 1, 3)) * 2  # hydrostatic: in no chord
     turn = 2 * np.pi * np.arange(24) / 24
@@ -193,11 +186,36 @@ def test_the_worst_of_many_points_is_found_where_tension_and_planes_decide(seed,
     verdict = duty_verdict(
         basis, coefficients, np.full(count, LIMIT), LIMIT, STEEL.ultimate_stress, runs
     )
-    task = LifeTask({"a": 3e4}, STEEL, False, 0.3)
+    return verdict, LifeTask({"a": 3e4}, STEEL, False, 0.3)
+
+
+@pytest.mark.parametrize("seed", [12, 17, 20])
+def test_the_worst_of_many_points_is_found_where_tension_and_planes_decide(seed, monkeypatch):
+    """Points of pressure, of mean tension and of circles: the bound must cover them all.
+
+    It is asked every four points, as a part's is many times; a bound that leaves out the mean
+    tension misses the worst point of each of these seeds.
+    """
+    monkeypatch.setattr("checks.strength.finite_life._TOGETHER", 4)
+    verdict, task = under_waves(seed)
     found = shortest_life(verdict, task)
-    each = [lives_of(verdict, task, np.array([k]))[0].safety for k in range(count)]
+    each = [lives_of(verdict, task, np.array([k]))[0].safety for k in range(40)]
     assert_allclose(found.safety, min(each), rtol=1e-9)
     assert found.point == int(np.argmin(each))
+
+
+def test_findleys_planes_are_searched_only_where_the_worst_point_may_be(monkeypatch):
+    """A plane takes 20 ms of the second that a part's life would; 32 points are bounded at once."""
+    verdict, task = under_waves(12)
+    searched = []
+
+    def searching(verdict, run, point):
+        searched.append(point)
+        return raised_exactly(verdict, run, point)
+
+    monkeypatch.setattr("checks.strength.finite_life.raised_exactly", searching)
+    shortest_life(verdict, task)
+    assert len(searched) < 8  # lives by brute force, above, need those of all 40
 
 
 @pytest.mark.parametrize("factor", [0.5, 1.2, 3.0])
