@@ -40,7 +40,7 @@ from ballesta.design.linkage import (
 from ballesta.design.measured import measured_of
 from ballesta.design.parts import materials_of, parts_of
 from ballesta.design.plate_parts import told_of_steps
-from ballesta.design.stacks import told_of_overlaps, told_of_widths
+from ballesta.design.stacks import told_of_overlaps, told_of_pairs, told_of_widths
 from checks.design.data import Cycle, Design, Part, StatedMass
 from checks.design.errors import Problems, listed, nearest, no_such
 from checks.design.model import PART_MODELS, DesignFile
@@ -189,6 +189,7 @@ def _assembled(
             *(reason for run in measured.values() for reason in run.assumed),
             *told_of_steps(parts),
             *told_of_widths(parts, model.parts),
+            *told_of_pairs(parts),
             *told_of_overlaps(parts),
         ),
         events=events,

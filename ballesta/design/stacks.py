@@ -85,6 +85,24 @@ def told_of_widths(
                 yield f"parts.{name}.stack[{k}].width", said
 
 
+def told_of_pairs(parts: Mapping[str, Part]) -> Iterator[tuple[str, str]]:
+    """Keys of the pairs of lugs whose part has its hole in one piece, and how it is judged."""
+    for pin in parts.values():
+        shape = as_pin(pin.geometry)
+        if pin.joint is None or shape is None:
+            continue
+        bores = _bores_for(pin, parts)
+        for k, (lug, seat) in enumerate(zip(pin.stack, shape.seats, strict=True)):
+            bore = bores.get(lug.body)
+            if seat.paired and bore is not None and bore.piece >= bore.length:
+                said = (
+                    f"{lug.body} has two lugs in the stack and one hole, {bore.length:g} mm long: "
+                    "its part is judged as the one plate that it is, which bears all; state "
+                    "single = true where it stands on one side"
+                )
+                yield f"parts.{pin.name}.stack[{k}].at", said
+
+
 def told_of_overlaps(parts: Mapping[str, Part]) -> Iterator[tuple[str, str]]:
     """Keys of the lugs beside which another one stands that the part there is too thick for.
 
@@ -134,18 +152,22 @@ def with_plays(parts: Mapping[str, Part]) -> dict[str, Part]:
 
 def _hole_lengths(pin: Part, parts: Mapping[str, Part]) -> list[float]:
     """Length of the hole that each lug of a stack has for the pin, mm; inf where none is known."""
-    bores = {
-        part.body: face
-        for part, interface in _carried(pin, parts)
-        for face in part.geometry.placed_interfaces
-        if face.name == interface and face.kind == "bore"
-    }
-    found = []
+    bores, found = _bores_for(pin, parts), []
     for lug in pin.stack:
         bore = bores.get(lug.body)
         whole = bore.length if bore else math.inf
         found.append(min(bore.piece, whole) if bore and lug.at else whole)  # of one cheek
     return found
+
+
+def _bores_for(pin: Part, parts: Mapping[str, Part]) -> dict[str | None, Interface]:
+    """The bore that each body has for a pin, of those whose parts are stated."""
+    return {
+        part.body: face
+        for part, interface in _carried(pin, parts)
+        for face in part.geometry.placed_interfaces
+        if face.name == interface and face.kind == "bore"
+    }
 
 
 def _bare_seat(pin: Part, part: Part, interface: str) -> tuple[float, float | None]:

@@ -29,7 +29,7 @@ The mean of a counted cycle is Goodman's: the largest principal stress in the mi
 states at its peak and at its valley, never below 0.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -73,6 +73,7 @@ class Readings:
     raised   (n,)     by how much cycles are raised: bound of Findley's utilisation on that path
                       over Goodman's, at least 1
     stress   point -> (6, p) MPa
+    highest  point -> (p,) MPa, the largest principal stress
     """
 
     points: IntArray
@@ -80,6 +81,17 @@ class Readings:
     along: FloatArray
     raised: FloatArray
     stress: Mapping[int, FloatArray]
+    highest: Mapping[int, FloatArray]
+
+    def only(self, rows: IntArray) -> "Readings":
+        """Some of the readings, by row."""
+        return replace(
+            self,
+            points=self.points[rows],
+            runs=tuple(self.runs[row] for row in rows),
+            along=self.along[rows],
+            raised=self.raised[rows],
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,10 +202,11 @@ def shortest_life(verdict: DutyVerdict, task: LifeTask) -> DutyLife:
     while done < len(order) and (best is None or least < best.safety * float(bound[order[done]])):
         points = order[done : done + _TOGETHER]
         done += len(points)
-        bounds = lives_of(verdict, task, points, bound=True)
-        for least_life in sorted(bounds, key=lambda life: life.safety):
+        readings = readings_of(verdict, points)
+        bounds = _lives(verdict, task, readings)
+        for least_life in sorted(_least(bounds, points), key=lambda life: life.safety):
             if best is None or least_life.safety < best.safety:
-                [life] = lives_of(verdict, task, np.array([least_life.point]))
+                [life] = _exactly(verdict, task, readings, bounds, np.array([least_life.point]))
                 if best is None or life.safety < best.safety:
                     best = life
     assert best is not None
@@ -201,25 +214,36 @@ def shortest_life(verdict: DutyVerdict, task: LifeTask) -> DutyLife:
 
 
 def lives_of(
+    verdict: DutyVerdict, task: LifeTask, points: IntArray, factor: float = 1.0
+) -> list[DutyLife]:
+    """Return the lives of some points, all loads multiplied by a factor."""
+    readings = readings_of(verdict, points, factor)
+    return _exactly(verdict, task, readings, _lives(verdict, task, readings), points)
+
+
+def _exactly(
     verdict: DutyVerdict,
     task: LifeTask,
+    readings: Readings,
+    bounds: Sequence[DutyLife],
     points: IntArray,
-    factor: float = 1.0,
-    *,
-    bound: bool = False,
 ) -> list[DutyLife]:
-    """Return the lives of some points, all loads multiplied by a factor.
+    """Lives of some points of those read, Findley's planes searched where they may raise them.
 
-    bound  True for the least that their safeties can be: Findley's planes are not searched
+    bounds  lives by every reading, raised as much as may be
     """
-    readings = readings_of(verdict, points, factor)
-    lives = _lives(verdict, task, readings)
-    raised = readings.raised.copy()
-    for row in np.flatnonzero(not bound and raised > 1.0):
-        raised[row] = raised_exactly(verdict, readings.runs[row], lives[row].point)
-    if (raised != readings.raised).any():
-        readings = replace(readings, raised=raised)
-        lives = _lives(verdict, task, readings)
+    rows = np.flatnonzero(np.isin(readings.points, points))
+    own, lives = readings.only(rows), [bounds[row] for row in rows]
+    raised = own.raised.copy()
+    for row in np.flatnonzero(raised > 1.0):
+        raised[row] = raised_exactly(verdict, own.runs[row], int(own.points[row]))
+    if (raised != own.raised).any():
+        lives = _lives(verdict, task, replace(own, raised=raised))
+    return _least(lives, points)
+
+
+def _least(lives: Sequence[DutyLife], points: IntArray) -> list[DutyLife]:
+    """The life of each point by the reading with the least safety; the first of equal ones."""
     return [
         min((life for life in lives if life.point == point), key=lambda life: life.safety)
         for point in points
@@ -340,12 +364,14 @@ def readings_of(verdict: DutyVerdict, points: IntArray, factor: float = 1.0) -> 
                 continue
             kept.append(along)
             found.append((int(point), name, along, raised))
+    stress = {int(point): verdict.basis[point] @ path for point in points}
     return Readings(
         np.array([point for point, *_ in found]),
         tuple(name for _, name, *_ in found),
         np.stack([along for _, _, along, _ in found]),
         np.array([raised for *_, raised in found]),
-        {int(point): verdict.basis[point] @ path for point in points},
+        stress,
+        {point: principal_stresses(own.T)[:, 2] for point, own in stress.items()},
     )
 
 
@@ -381,21 +407,22 @@ def counted(
     cycles = duty_cycles(blocks, [counts[name] for name in runs])
     mean = np.zeros_like(cycles.mean_stress)
     peak, valley = (np.zeros(mean.shape, dtype=np.intp) for _ in range(2))
+    count = cycles.cycle_counts > 0.0
+    middle = []
     for row, point in enumerate(readings.points):
-        used = cycles.cycle_counts[row] > 0.0
-        stress, along = readings.stress[int(point)], readings.along[row]
-        peak[row, used] = _places(cycles.peak[row][used], along, stress)
-        valley[row, used] = _places(cycles.valley[row][used], along, stress)
-        middle = (stress[:, peak[row, used]] + stress[:, valley[row, used]]).T / 2.0
-        mean[row, used] = np.maximum(principal_stresses(middle)[:, 2], 0.0)
+        used, along = count[row], readings.along[row]
+        stress, highest = readings.stress[int(point)], readings.highest[int(point)]
+        peak[row, used] = _places(cycles.peak[row][used], along, highest)
+        valley[row, used] = _places(cycles.valley[row][used], along, highest)
+        middle.append((stress[:, peak[row, used]] + stress[:, valley[row, used]]).T / 2.0)
+    mean[count] = np.maximum(principal_stresses(np.concatenate(middle))[:, 2], 0.0)
     raised = readings.raised[:, None]
     found = Cycles(raised * cycles.stress_amplitude, raised * mean, cycles.cycle_counts)
     return CountedReadings(found, peak, valley)
 
 
-def _places(values: FloatArray, along: FloatArray, stress: FloatArray) -> IntArray:
+def _places(values: FloatArray, along: FloatArray, highest: FloatArray) -> IntArray:
     """Positions where a reading has some values; of several the one with the highest principal."""
-    highest = principal_stresses(stress.T)[:, 2]
     slack = _SAME * max(float(np.abs(along).max()), 1e-300)
     near = np.abs(along - values[:, None])
     same = near <= near.min(axis=1, keepdims=True) + slack

@@ -44,6 +44,13 @@ def lug_checks(loaded, mesh):
     return [check for check in found if check.kind in ("bearing", "shear-out")]
 
 
+CRANK = (
+    PLATE.replace("[parts.rod]", "[parts.crank]")
+    .replace('body = "rod"', 'body = "crank"')
+    .replace('first = "A", second = "B"', 'first = "O", second = "A"')
+)
+
+
 def checks_of(design, wrenches, name="rod"):
     part = design.parts[name]
     mesh = Models().mesh(part.geometry, 0.5)
@@ -87,6 +94,16 @@ def test_lugs_that_their_parts_are_too_thick_for_are_told(tmp_path):
     assert told[0] == "parts.pin_A.stack[0].at"
     assert told[1].startswith("rod and crank overlap by 2 mm as thick as they are")
     assert not thin.assumed
+
+
+def test_a_pair_of_lugs_of_a_part_with_one_hole_is_told(tmp_path):
+    """The crank of one plate on both sides of the rod; on one side nothing is to be told."""
+    pair = PIN.replace('width = "8 mm", single = true', 'width = "8 mm"')
+    assert pair != PIN
+    (told,) = machine(tmp_path, PLATE + CRANK + pair).assumed
+    assert told[0] == "parts.pin_A.stack[0].at"
+    assert told[1].startswith("crank has two lugs in the stack and one hole, 8 mm long")
+    assert not machine(tmp_path, PLATE + CRANK + PIN).assumed
 
 
 def test_a_pin_bears_no_longer_in_each_cheek_than_its_wall(tmp_path):
