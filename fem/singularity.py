@@ -310,7 +310,7 @@ def across_notches(mesh: Mesh) -> FloatArray:
     """Unit vectors (n_nodes, 3) along which the surface at each node is concave.
 
     Zero where it is flat or convex, or concave in every direction, as in a bore's round end, and
-    where grooves meet: where the curvature is that of a groove along another line than the node's.
+    where grooves meet: where the most curved one runs along another line than the node's own.
     """
     return _curved(mesh)[1]
 
@@ -318,8 +318,8 @@ def across_notches(mesh: Mesh) -> FloatArray:
 def _curved(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
     """`concave_curvatures` and `across_notches`.
 
-    Curvature is that of the most curved facet at any corner of the elements that meet a node, and
-    so is the direction, unless the node itself is part of a curved facet: then it is its own.
+    Both are taken from the most curved facet at any corner of the elements that meet a node; a node
+    that is itself part of a curved facet has the direction of its own.
     """
     curvatures, across, along = _facets_curved(mesh)
     most = _most_curved(curvatures, mesh.facets[:, :3], len(mesh.nodes))

@@ -57,7 +57,6 @@ _PATTERNS = "what patterns, nodes and short waves miss of solved contact, and se
 _OF_ARCS = "model: arcs on which pins may press"
 _OF_FITS = "model: the range of the pins' clearances"
 _OF_BENDING = "model: bent pins, which press unevenly"
-_RAISED = "to which arcs of contact that are not stated and pins that bend may raise it"
 _EVENED = "in no band: bent pins, with which it is up to {:.4g} MPa, elastic"
 _OF_BUSHES = "model: bushes, whose material is not stated"
 _CALIBRATED = "docs/theory/error_bars.md"
@@ -81,9 +80,10 @@ def rung_bars(
     if isinstance(band, NoBand):
         words = f"no model band: {band.why}"
     else:
-        words = f"the model band is where 95 % of {band.count} solids lie around such a value"
+        around = " around such a value"
         if bores is not None and bores.most > check.value:
-            words = f"{words}, above around {bores.most:.4g} MPa, {_RAISED}"
+            around = f", above around {bores.most:.4g} MPa (bent pins, arcs)"
+        words = f"the model band is where 95 % of {band.count} solids lie{around}"
     if bores is not None and bores.evened:
         words = f"{words}; {_EVENED.format(max(bores.evened, check.value))}"
     up, low = (side[-1].symbol if side else "" for side in (above, below))

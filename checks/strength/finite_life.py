@@ -233,7 +233,7 @@ def _exactly(
     bounds  lives by every reading, raised as much as may be
     """
     rows = np.flatnonzero(np.isin(readings.points, points))
-    own, lives = readings.only(rows), [bounds[row] for row in rows]
+    own, lives = readings.only(rows), [bounds[int(row)] for row in rows]
     raised = own.raised.copy()
     for row in np.flatnonzero(raised > 1.0):
         raised[row] = raised_exactly(verdict, own.runs[row], int(own.points[row]))
