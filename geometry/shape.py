@@ -85,14 +85,14 @@ class Ligament:
     """Material behind a hole: mm2 in one shear plane, and the name of its other side.
 
     direction  unit vector in the part's axes in which a force on the part tears it; None: any
-    round      True where the material ends round about the hole, and is as much on both sides: it
-               bears what does not point into the part
+    round      of an end round about the hole, which bears what does not point into the part: the
+               part's width over the end's; 0 where the end is not round
     """
 
     direction: tuple[float, float] | None
     area: float
     until: str
-    round: bool = False
+    round: float = 0.0
 
 
 @dataclass(frozen=True)

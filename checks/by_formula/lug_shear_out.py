@@ -35,6 +35,7 @@ SHEAR_OUT = Kind(
 KINDS = (SHEAR_OUT,)
 
 _FITS = "docs/theory/fits.md"
+_ROUND_OFF = 1e-9  # of a force, turned into the part's axes
 
 
 def checks(loaded: LoadedPart) -> Iterator[Check]:
@@ -84,9 +85,12 @@ def _pull(wrench: FloatArray, ligament: "Ligament | AllRound") -> tuple[FloatArr
         pull = np.hypot(*force.T)
     else:
         x, y = ligament.direction
-        pull = np.maximum(force @ np.array([x, y]), 0.0)
+        along, size = force @ np.array([x, y]), np.hypot(*force.T)
+        pull = np.maximum(along, 0.0)
         if ligament.round:
-            pull = np.hypot(pull, force @ np.array([-y, x]))
+            aside = np.abs(force @ np.array([-y, x]))
+            aside[aside < _ROUND_OFF * size] = 0.0
+            pull = np.where(along > 0.0, size, np.minimum(size, aside / ligament.round))
     return pull, np.full(len(pull), ligament.area)
 
 

@@ -57,6 +57,14 @@ def evenly_stressed(part: Part) -> bool:
     return size_factor(equivalent_diameter(part)) > load_factor("axial")
 
 
+def starts_axial(part: Part) -> bool:
+    """True for a part whose S-N curve starts at what 1e3 cycles of axial force leave.
+
+    A shank that decides has no gradient, whichever factor its endurance limit has.
+    """
+    return part.geometry.stressed_evenly or part.geometry.shank_decides
+
+
 def equivalent_diameter(part: Part) -> float:
     """Diameter of a rotating bar whose most stressed share is as large, mm."""
     section = part.geometry.stressed_section
@@ -87,7 +95,7 @@ def life_task(part: Part, duty: Duty) -> LifeTask:
     return LifeTask(
         duty.cycles,
         part.material,
-        evenly_stressed(part),
+        starts_axial(part),
         duty.allowed_damage - duty.damage_so_far,
         begun=duty.damage_so_far > 0,
     )
@@ -103,7 +111,7 @@ def fatigue_use(loaded: LoadedPart) -> FatigueUse | None:
         return FkmUse(loads, part.fkm.reference, ultimate, part.fkm)
     limit = endurance_of(part).value
     if loaded.duty.life == "finite":
-        why = why_no_curve(part.material, limit, axial=evenly_stressed(part))
+        why = why_no_curve(part.material, limit, axial=starts_axial(part))
         if why:
             raise DesignError(loaded.design.file, f"parts.{part.name}.material", why)
         return LifeUse(loads, limit, ultimate, life_task(part, loaded.duty))

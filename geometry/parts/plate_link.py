@@ -113,7 +113,7 @@ class PlateLink(Shape):
     def ligaments(self, interface: str) -> Sequence[Ligament]:
         """The plate behind a hole, towards its round end and both edges."""
         (direction, end), hole = self.outward(interface), self._holes[interface]
-        return [Ligament(direction, self.thickness * (self.width - hole) / 2, end, round=True)]
+        return [Ligament(direction, self.thickness * (self.width - hole) / 2, end, round=1.0)]
 
     def bore_key(self, interface: str) -> str:
         """The second hole has a key of its own where it is another."""

@@ -191,7 +191,7 @@ class SlottedLever(Shape):
             for reach in (self.beyond, inner, self.width / 2)
         )
         return [
-            Ligament(direction, behind, end, round=self.overhang is None),
+            Ligament(direction, behind, end, round=float(self.overhang is None)),
             Ligament((-direction[0], 0.0), before, "the slot"),
             *(Ligament((0.0, y), beside, f"the edge at y {sign} 0") for y, sign in _EDGES),
         ]

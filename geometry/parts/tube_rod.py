@@ -250,7 +250,8 @@ class TubeRod(Shape):
     def ligaments(self, interface: str) -> Sequence[Ligament]:
         """The eye behind a hole: a ball cut flat."""
         direction, end = self.outward(interface)
-        return [Ligament(direction, self.ligament, end, round=True)]
+        neck = self.tube_diameter / self.eye_diameter
+        return [Ligament(direction, self.ligament, end, round=neck)]
 
     @property
     def ruling_sections(self) -> tuple[RulingSection, ...]:

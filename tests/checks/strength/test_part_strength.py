@@ -9,7 +9,12 @@ import pytest
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
 from checks.part.loaded_part import LoadedPart, bent_area
-from checks.strength.part_strength import beyond_size_data, endurance_of, equivalent_diameter
+from checks.strength.part_strength import (
+    beyond_size_data,
+    endurance_of,
+    equivalent_diameter,
+    life_task,
+)
 from checks.stress.solid_mesh_level import Models
 
 from ...small_machine import PLATE, machine
@@ -95,3 +100,13 @@ def test_a_shank_that_is_pulled_evenly_has_the_load_factor_of_axial_force(eye, a
     """Shigley, 9th ed., 6-20 and 6-26: 0.85 and no size factor; it had 1 and that of bending."""
     limit = endurance_of(machine(tmp_path, ROD.replace("EYE", eye)).parts["rod"])
     assert (limit.load, limit.size == 1.0) == ((0.85, True) if axial else (1.0, False))
+
+
+def test_a_shank_between_large_eyes_has_the_curve_of_axial_force(tmp_path):
+    """Eyes of 80 x 40 mm: the size factor 0.83 is the lower one; the curve starts axially."""
+    text = ROD.replace("EYE", "80 mm").replace('eye_width = "10 mm"', 'eye_width = "40 mm"')
+    design = machine(tmp_path, text)
+    limit = endurance_of(design.parts["rod"])
+    assert limit.load == 1.0
+    assert 0.82 < limit.size < 0.84
+    assert life_task(design.parts["rod"], design.duty).axial
