@@ -46,6 +46,7 @@ class InBores:
     """Stress of a check where arcs of contact are narrower and pins press unevenly, MPa.
 
     half    the largest in bores, pressed on the half circle, raised; 0 where nothing raises it
+    even    the same with pins that do not bend
     most    the same on any of the arcs, and the largest beside bores; 0 where nothing does
     least   of the whole part, on the arc where it is least, not raised
     by_arc  arc, rad -> the value of the whole part, not raised; empty where the rung knows none
@@ -53,6 +54,7 @@ class InBores:
     """
 
     half: float = 0.0
+    even: float = 0.0
     most: float = 0.0
     least: float = 0.0
     by_arc: Mapping[float, float] | None = None
@@ -198,7 +200,8 @@ def in_bores(arcs: Arcs, use: FatigueUse | None, value: float) -> InBores:
     most = on_arcs(counts, beside, max([half, *others]))
     evened = on_arcs(every, (), on_half_circle(every)) if len(counts) < len(every) else 0.0
     known = by_arc if len(by_arc) > 1 else None
-    return InBores(half, most, min(by_arc.values()), known, evened)
+    even = min(half, more * on_half) if counts else half
+    return InBores(half, even, most, min(by_arc.values()), known, evened)
 
 
 def _on_half_circle(
