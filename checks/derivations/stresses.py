@@ -80,10 +80,10 @@ def rung_bars(
     if isinstance(band, NoBand):
         words = f"no model band: {band.why}"
     else:
-        around = " around such a value"
+        words = f"the model band is where 95 % of {band.count} solids lie around such a value"
         if bores is not None and bores.most > check.value:
-            around = f", above around {bores.most:.4g} MPa (bent pins, arcs)"
-        words = f"the model band is where 95 % of {band.count} solids lie{around}"
+            reached = f"above about {bores.most:.4g} MPa (bent pins, arcs)"
+            words = f"the model band: 95 % of {band.count} solids, {reached}"
     if bores is not None and bores.evened:
         words = f"{words}; {_EVENED.format(max(bores.evened, check.value))}"
     up, low = (side[-1].symbol if side else "" for side in (above, below))

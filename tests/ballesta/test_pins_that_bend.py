@@ -260,7 +260,7 @@ def test_no_static_band_has_what_yields_at_edges_of_ductile_parts(bent, tmp_path
     told, _ = rung_bars(
         kept_in.part, kept_in.loads, by_formula.model, checks[2], "v", bores_of(kept_in, by_formula)
     )  # fmt: skip
-    assert f"above around {elastic:.4g} MPa (bent pins, arcs)" in told.words
+    assert f"above about {elastic:.4g} MPa (bent pins, arcs)" in told.words
     use = fatigue_use(loaded)  # not covered by the theorem
     assert bores_of(loaded, by_formula, use).most > bores_of(straight, by_formula, use).most
 
