@@ -332,7 +332,7 @@ def _curved(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
     across, along = (np.append(one, np.zeros((1, 3)), axis=0) for one in (across, along))
     curved = known[own] > _FLAT * known[found]
     one_groove = np.abs((along[own] * along[found]).sum(axis=1)) > _ALIKE
-    nearest = np.where((curved & one_groove)[:, None], across[own], across[found])
+    nearest = np.where(curved[:, None], across[own], across[found])
     return known[found], np.where((curved & ~one_groove)[:, None], 0.0, nearest)
 
 

@@ -97,8 +97,7 @@ def told_of_pairs(parts: Mapping[str, Part]) -> Iterator[tuple[str, str]]:
             if seat.paired and bore is not None and bore.piece >= bore.length:
                 said = (
                     f"{lug.body} has two lugs in the stack and one hole, {bore.length:g} mm long: "
-                    "its part is judged as the one plate that it is, which bears all; state "
-                    "single = true where it stands on one side"
+                    "one plate bears all; single = true puts it on one side"
                 )
                 yield f"parts.{pin.name}.stack[{k}].at", said
 

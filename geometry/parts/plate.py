@@ -160,7 +160,8 @@ class Plate(Shape):
             return (), "a window is cut out of it"
         start, stop = self.bores[0].diameter / 2, self.length - self.bores[1].diameter / 2
         edges = self.outline.outer.edges
-        marks = edges.at(np.array([0.0, 0.5])).real.ravel()  # corners, and where arcs are narrowest
+        # corners, middles of edges, and where arcs come nearest to the line of the holes
+        marks = np.append(edges.at(np.array([0.0, 0.5])).real, edges.centres[edges.curved].real)
         even = np.linspace(start, stop, _STATIONS + 2)[1:-1]
         places = np.union1d(even, marks[(marks > start) & (marks < stop)])
         walls = [self._walls(float(x)) for x in places]

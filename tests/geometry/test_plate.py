@@ -1,6 +1,7 @@
 """Levers and drawn plates: outline, solid, mass against closed forms, names, refusals."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -172,6 +173,20 @@ def test_a_plate_between_two_bores_is_a_column_of_its_least_sections():
     assert not lever(((0, 30), (100, 30))).shank_decides
     moved = _waisted(moved=(("b", (0.04, 0.0)),))  # as the linkage has its pins
     assert moved.sections[-1].stretch[1] == pytest.approx(149.96, rel=1e-15)
+
+
+def test_a_column_is_as_narrow_as_a_notch_between_its_stations():
+    """Arcs of 1 mm over 135 degrees, 2 mm between stations: narrowest beside their middles."""
+    side = np.exp(-0.25j * np.pi)
+    notch = [73.3 + side.real + 24j, 73.3 + 24j + side, 72.3 + 24j]
+    upper = [174 + 24j, *notch, -24 + 24j]
+    corners = [*upper, *(point.conjugate() for point in upper[::-1])]
+    bulges = np.zeros(len(corners))
+    bulges[[2, 6]] = -np.tan(np.radians(135 / 4))
+    whole = _waisted()
+    contour = Contour.either_way(corners, bulges.tolist())
+    plate = Plate(replace(whole.outline, outer=contour), whole.bores, 8.0)
+    assert_allclose(min(one.area for one in plate.sections), 8 * 2 * 23, rtol=1e-12)
 
 
 def test_a_plate_that_is_no_column_says_why():
