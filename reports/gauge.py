@@ -76,7 +76,6 @@ Bar = tuple[str, float, float]  # name, size above and below the value
 
 _UNNAMED = "loads that are not known for certain"
 _RUBBED = "friction adds"
-_BESIDE = "the model band is where "
 _PLAIN = ("model band", "error band", "e_")  # begins a meaning that names no cause
 _ROUND_OFF = 1e-9  # of a value
 
@@ -132,10 +131,8 @@ def _of_model(check: Check) -> list[Bar]:
             name = "friction and preload between the leaves"
         elif not said.startswith(_PLAIN):
             name = said
-        elif _BESIDE in clause:
-            name = f"formula in place of a solid: {clause.partition(_BESIDE)[2]}"
         else:
-            name = clause or "model"
+            name = derivation.bars.name or clause or "model"
         off = _ROUND_OFF * check.value
         up, low = up - sum(p[1] for p in pressed), low - sum(p[2] for p in pressed)
         rest = (name, 0.0 if abs(up) < off else up, 0.0 if abs(low) < off else low)

@@ -77,9 +77,11 @@ def rung_bars(
     """
     band = band_around(part, loads, model, check)
     above, below = band.formulas(value, check.unit, check.value, bores)
+    name = ""
     if isinstance(band, NoBand):
         words = f"no model band: {band.why}"
     else:
+        name = f"formula in place of a solid: 95 % of {band.count} solids lie around such a value"
         words = f"the model band is where 95 % of {band.count} solids lie around such a value"
         if bores is not None and bores.most > check.value:
             reached = f"above about {bores.most:.4g} MPa (bent pins, arcs)"
@@ -87,7 +89,7 @@ def rung_bars(
     if bores is not None and bores.evened:
         words = f"{words}; {_EVENED.format(max(bores.evened, check.value))}"
     up, low = (side[-1].symbol if side else "" for side in (above, below))
-    return BarSymbols("", up, low, words), [*above, *below]
+    return BarSymbols("", up, low, words, name), [*above, *below]
 
 
 def solid_bars(bars: Bars, value: str, more: float = 0.0) -> Told:

@@ -204,12 +204,15 @@ class BarSymbols:
     """Symbols of the error bars, "" where nothing adds to one, and what each is made of, in words.
 
     The symbols are of items of the section of the error bars.
+
+    name  of the model's own band, apart from other doubts; "" if `words` name it
     """
 
     numerical: str = ""
     above: str = ""
     below: str = ""
     words: str = ""
+    name: str = ""
 
 
 @dataclass(frozen=True)
