@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import loads
-from checks.design.data import Cylinder, Design
+from checks.design.data import Cylinder, Design, Material
 from checks.design.errors import DesignError
 from checks.handbook.column_curves import buckling_force, largest_moments
 from checks.part.derived import NO_BAND, Band, Heading, Kind, Series, demand_over
@@ -177,7 +177,7 @@ def _checks_of(loaded: _Loaded) -> Iterator[Check]:
     with np.errstate(divide="ignore"):
         most = force / np.maximum(loaded.push, 0.0)
     yield _rod(loaded, lambda factor: moments(factor)[1], most)
-    yield _tube(loaded, moments(np.ones(len(force)))[0])
+    yield _tube(loaded, lambda factor: moments(factor)[0], most)
 
 
 Moments = Callable[[FloatArray], FloatArray]
@@ -223,49 +223,30 @@ def _buckling(loaded: _Loaded, force: FloatArray) -> Check:
 
 
 def _rod(loaded: _Loaded, moments: Moments, most: FloatArray) -> Check:
-    """Bending grows faster than the loads: the safety is the factor on all of them at yield."""
-    cylinder, material = loaded.cylinder, loaded.cylinder.material
+    """Of the rod: axial force and the largest moment."""
+    cylinder = loaded.cylinder
     known: list[Series | Item] = [
-        Given("R_e", f"yield stress of {material.name}", material.yield_stress, "MPa",
-              material.source, main=True),
         Series("N", "force of the cylinder", np.abs(loaded.push), "N", main=True),
         Given("d", "diameter of the rod", cylinder.rod, "mm", "design"),
         Step("A", "section of the rod", "pi*d^2/4", "mm2"),
         Step("W", "section modulus of the rod", "pi*d^3/32", "mm3"),
     ]  # fmt: skip
-
-    def under(factor: FloatArray) -> list[Series | Item]:
-        """Items up to the largest stress under factors (n,) on all loads."""
-        return [
-            *known,
-            Series("n", "factor on all loads, sought until the rod yields or buckles", factor, "",
-                   "docs/theory/cylinders.md", main=True),
-            Series("M", "largest moment in the rod under n times the loads: weight, play and "
-                   "deflection", moments(factor), "N mm", "docs/theory/cylinders.md", main=True),
-            Step("S_n", "largest stress of the rod under them", "n*N/A + M/W", "MPa", main=True),
-        ]  # fmt: skip
-
-    factor = _load_factor(lambda n: demand_over(under(n)), most, material.yield_stress)
-    demand = [
-        *under(factor),
-        Step("sigma", "the yield stress over the factor", "R_e/n", "MPa", main=True),
-    ]
+    stress = [Step("S_n", "largest stress of the rod under them", "n*N/A + M/W", "MPa", main=True)]
     heading = Heading(
         ROD, f"rod of cylinder {loaded.name}",
         "beam of second order, hinged at both eyes; value is the yield stress over the factor on "
         "all loads with which it yields, or buckles", of=loaded.name,
     )  # fmt: skip
-    return _worst(loaded, heading, demand, [], equal=("S_n", "R_e"))
+    return _until_yield(loaded, heading, cylinder.material, known, moments, stress, most)
 
 
-def _tube(loaded: _Loaded, moment: FloatArray) -> Check:
+def _tube(loaded: _Loaded, moments: Moments, most: FloatArray) -> Check:
+    """Of the tube: pressure, and the largest moment where that is more across the bore."""
     cylinder = loaded.cylinder
     area = np.where(loaded.push > 0.0, *cylinder.areas)
-    demand: list[Series | Item] = [
+    known: list[Series | Item] = [
         Series("N", "force of the cylinder", np.abs(loaded.push), "N", main=True),
         Series("A_p", "area that the pressure acts on", area, "mm2"),
-        Series("M", "largest moment in the tube: weight, play and deflection", moment, "N mm",
-               "docs/theory/cylinders.md"),
         Given("D", "bore", cylinder.bore, "mm", "design"),
         Given("D_o", "outer diameter of the tube", cylinder.outer, "mm", "design"),
         Step("W", "section modulus of the tube", "pi*(D_o^4 - D^4)/(32*D_o)", "mm3"),
@@ -274,21 +255,61 @@ def _tube(loaded: _Loaded, moment: FloatArray) -> Check:
         Step("p", "pressure that gives the force, or that a stop lets rise", "max(N/A_p, p_a)",
              "MPa", main=True),
         Step("sigma_h", "hoop stress at the bore, by Lame", "p*(D_o^2 + D^2)/(D_o^2 - D^2)", "MPa"),
-        Step("sigma", "largest difference of principal stresses", "sigma_h + max(p, M/W)", "MPa",
-             main=True),
     ]  # fmt: skip
-    limit = [
-        Given("R_e", f"yield stress of {cylinder.tube_material.name}",
-              cylinder.tube_material.yield_stress, "MPa", cylinder.tube_material.source, main=True)
+    stress = [
+        Step("S_n", "largest difference of principal stresses under them",
+             "n*sigma_h + max(n*p, M/W)", "MPa", main=True),
     ]  # fmt: skip
     below = [Step("b_lo", "von Mises' stress is at most this much less", "(1 - sqrt(3)/2)*sigma",
                   "MPa")]  # fmt: skip
     heading = Heading(
         TUBE, f"tube of cylinder {loaded.name}",
         "Lame's thick tube, Tresca: holds for ends that carry the pressure's axial force, and "
-        "for ends that do not", of=loaded.name,
+        "for ends that do not; value is the yield stress over the factor on all loads with which "
+        "it yields, or buckles", of=loaded.name,
     )  # fmt: skip
-    return _worst(loaded, heading, demand, limit, Band(below=below))
+    return _until_yield(
+        loaded, heading, cylinder.tube_material, known, moments, stress, most, Band(below=below)
+    )
+
+
+def _until_yield(
+    loaded: _Loaded,
+    heading: Heading,
+    material: Material,
+    known: Sequence[Series | Item],
+    moments: Moments,
+    stress: Sequence[Step],
+    most: FloatArray,
+    band: Band = NO_BAND,
+) -> Check:
+    """Bending grows faster than the loads: the safety is the factor n on all of them at yield.
+
+    known    items that the factor does not change
+    moments  N mm (n,), largest under factors (n,) on all loads
+    stress   S_n under n times the loads, of `known`, n and their moment M
+    most     factors (n,) with which it buckles
+    """
+
+    def under(factor: FloatArray) -> list[Series | Item]:
+        """Items up to the largest stress under factors (n,) on all loads."""
+        return [
+            Given("R_e", f"yield stress of {material.name}", material.yield_stress, "MPa",
+                  material.source, main=True),
+            *known,
+            Series("n", "factor on all loads, sought until it yields or buckles", factor, "",
+                   "docs/theory/cylinders.md", main=True),
+            Series("M", "largest moment under n times the loads: weight, play and deflection",
+                   moments(factor), "N mm", "docs/theory/cylinders.md", main=True),
+            *stress,
+        ]  # fmt: skip
+
+    factor = _load_factor(lambda n: demand_over(under(n)), most, material.yield_stress)
+    demand = [
+        *under(factor),
+        Step("sigma", "the yield stress over the factor", "R_e/n", "MPa", main=True),
+    ]
+    return _worst(loaded, heading, demand, [], band, equal=("S_n", "R_e"))
 
 
 def _worst(

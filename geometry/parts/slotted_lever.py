@@ -197,6 +197,14 @@ class SlottedLever(Shape):
         ]
 
     @property
+    def told(self) -> Sequence[str]:
+        """A check that it does not have: a sentence for the report."""
+        return [
+            "no column formula judged it, so yield was not checked by one: a force acts between "
+            "its pins"
+        ]
+
+    @property
     def ruling_sections(self) -> tuple[RulingSection, ...]:
         """Sizes that grade the strength of its material."""
         return (RulingSection(self.thickness + 2 * self.boss_height),)
