@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import loads
-from checks.design.data import Cylinder, Design, Material
+from checks.design.data import Cylinder, Design
 from checks.design.errors import DesignError
+from checks.design.materials import Material
 from checks.handbook.column_curves import buckling_force, largest_moments
 from checks.part.derived import NO_BAND, Band, Heading, Kind, Series, demand_over
 from checks.part.part_loads import Runs, first_largest, shown_of, stretches_of
