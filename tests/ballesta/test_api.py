@@ -126,6 +126,7 @@ def test_loads_in_a_notebook_are_the_text_of_the_command():
     assert "guide:piston" in html
 
 
+@pytest.mark.slow
 def test_a_script_without_a_main_guard_runs_a_batch(tmp_path):
     """Its workers do not import it: were it so, each would start a batch."""
     script = tmp_path / "sweep.py"

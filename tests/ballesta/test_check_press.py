@@ -237,6 +237,7 @@ def test_friction_takes_a_sixth_of_the_press_force():
     assert_allclose(process_force(solved, "press", "press", 7.0), 28989, atol=0.5)
 
 
+@pytest.mark.slow
 def test_stated_masses_that_are_not_the_models_are_said_with_their_inertia_field(brief):
     """The brief's bar is balanced at mid-length, the model's is not: a field makes up for it."""
     design, solved = brief

@@ -88,6 +88,7 @@ def test_clearances_are_asked_for_beside_a_stress_that_turns():
     assert over.below == pytest.approx(41.7 - 33.0 + 3.7)
 
 
+@pytest.mark.slow
 def test_what_nodes_miss_of_a_swinging_pressure_stands_in_the_bar(tmp_path):
     """Against a mesh with 18 times the unknowns and 60 hats in the arc: 3.43, 5.05, 6.08 MPa.
 

@@ -121,6 +121,7 @@ def test_a_bent_pin_presses_the_edges_of_an_eye_more_which_the_band_holds(bent):
     assert "which the band holds as well" in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bush", ["", ', bush = { length = "8 mm", allowable = "100 MPa" }'])
 def test_what_is_kept_for_other_loads_and_clearances_is_what_a_fresh_solve_finds(tmp_path, bush):
     """Under a factor on the loads pins press as on clearances over it: value and band to 2 %."""
@@ -398,6 +399,7 @@ def test_a_check_that_passes_by_run_in_edges_alone_says_what_it_rests_on(tmp_pat
             assert facts[fact] > even.limit / need
 
 
+@pytest.mark.slow
 def test_a_solid_names_the_edges_with_which_it_passes_and_then_does(bent):
     """Fatigue by contact, asked for what the band of even pressure just holds."""
     loaded, _ = bent

@@ -317,6 +317,7 @@ def test_where_arcs_decide_no_fit_is_assumed(tmp_path):
     assert "ASSUMED" not in " ".join(result.assumed)
 
 
+@pytest.mark.slow
 def test_a_mesh_is_refined_beyond_the_accuracy_where_that_settles_a_check(tmp_path):
     """A limit inside of a numerical bar of 20 %, with nothing else uncertain."""
     arc = 'bearing_arc = "180 deg"'

@@ -72,6 +72,7 @@ def test_bending_and_torsion_in_and_out_of_phase_have_their_public_values(test):
     assert plane.value / LIMIT == pytest.approx(test.expected, rel=5e-6)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 10_000), st.sampled_from([0.0, 0.16, 0.6]), st.sampled_from([0.0, 1.0, 5.0]))
 def test_no_plane_of_a_dense_grid_exceeds_the_value_or_the_bound(seed, k, static):

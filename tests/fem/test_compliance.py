@@ -98,6 +98,7 @@ def test_the_compliance_of_a_beam_does_not_depend_on_the_mesh(solved):
     assert_allclose(np.diag(compliance(solved, places)), np.diag(fine), rtol=0.005)
 
 
+@pytest.mark.slow
 def test_the_compliance_of_journals_grows_to_a_limit_as_the_mesh_is_refined():
     """No load and no support is a point: every diagonal entry grows less with each refinement, as
     the energy of a displacement method does, the last time (1 to 1.4) by less than 0.5 %.

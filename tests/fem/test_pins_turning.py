@@ -118,6 +118,7 @@ def test_out_of_the_plane_the_pins_press_where_they_did(rod, pushed, dead):
     assert_allclose(found["out of plane"], by_plane(dead)["out of plane"], rtol=2e-4)
 
 
+@pytest.mark.slow
 def test_a_push_all_round_the_bore_needs_no_correction(rod, pushed):
     """Pressure in proportion to cos goes through the axis by itself, even if it turns: no virial.
 
@@ -133,6 +134,7 @@ def test_a_push_all_round_the_bore_needs_no_correction(rod, pushed):
     assert_allclose(even, ours, rtol=0.01)
 
 
+@pytest.mark.slow
 def test_positions_are_judged_with_their_pins(rod, pushed):
     """Of its own mode a position's estimate is the mode's share; the larger push is found."""
     states = np.stack([0.5 * pushed, -pushed, pushed], axis=1)

@@ -1,6 +1,7 @@
 """Folded curved elements are mended inside of the part; the measure of that is a lower bound."""
 
 import numpy as np
+import pytest
 from numpy.testing import assert_allclose
 
 from geometry import meshing
@@ -80,6 +81,7 @@ def test_what_folds_on_a_small_fillet_is_mended_but_for_few_elements(monkeypatch
     assert mesh.jacobian_minimum > 0
 
 
+@pytest.mark.slow
 def test_rounding_does_not_decide_where_nodes_go(monkeypatch):
     """The last digit of a processor's sums; a mend that ended early went 0.05 mm elsewhere."""
     away = []

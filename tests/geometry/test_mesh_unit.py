@@ -88,6 +88,7 @@ def test_a_thousand_times_as_large_a_part_has_the_mesh_a_thousand_times_as_large
             assert np.array_equal(first.surfaces[surface], other.surfaces[surface])
 
 
+@pytest.mark.slow
 def test_a_finer_mesh_of_it_has_the_same_sizes():
     """Sizes come in steps of 1 % of the unit that the part is meshed in."""
     finer = []

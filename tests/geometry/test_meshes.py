@@ -359,6 +359,7 @@ def mended():
         return mesh_shape(replace(PIN, step_fillet=1.0), fineness=0.7), moves
 
 
+@pytest.mark.slow
 def test_a_mesh_with_mended_elements_is_the_same_in_every_process(mended):
     """Here beside all that this process has done, there in a new one with other addresses."""
     told = subprocess.run(

@@ -114,6 +114,7 @@ def test_flats_are_plane_and_as_far_apart_as_the_eye_is_wide(rod):
     assert_allclose([rod.nodes[:, 0].min(), rod.nodes[:, 0].max()], [-14.25, 1289.25], atol=1e-6)
 
 
+@pytest.mark.slow
 def test_no_edge_of_a_filleted_rod_is_re_entrant():
     """A sharp re-entrant edge has no finite stress. Without the fillet there is one, where the tube
     (radius 10) meets the ball (14.25) at asin(10 / 14.25) = 44.6 degrees.

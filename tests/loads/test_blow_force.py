@@ -77,6 +77,7 @@ def test_a_blow_that_is_over_before_the_modes_answer_is_not_resolved():
     assert slow.unresolved < 1 < fast.unresolved
 
 
+@pytest.mark.slow
 def test_a_mass_that_strikes_a_light_beam_bends_it_as_cox_has_it():
     """Both go on with one speed, the beam in its static shape, of which 17/35 of the mass counts.
 

@@ -389,6 +389,7 @@ def in_time(geared, whole, b, c):
     raise AssertionError("it does not settle in 400 turns")
 
 
+@pytest.mark.slow
 def test_random_motors_run_stall_and_run_away_as_integration_in_time_says():
     random, ways = np.random.default_rng(7), [with_points(np.linspace(0.0, 2 * pi, 301))]
     outcomes = []

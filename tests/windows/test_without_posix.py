@@ -152,6 +152,7 @@ for line in _Lines():
     process.stdout.close()
 
 
+@pytest.mark.slow
 def test_a_batch_from_a_script_without_a_main_guard(design, tmp_path):
     """Windows starts every process anew; workers that imported the script would start batches."""
     script = tmp_path / "sweep.py"

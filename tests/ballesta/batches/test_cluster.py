@@ -102,6 +102,7 @@ class Killing(jobs.Silent):
             self.killed_in = mine[-1]
 
 
+@pytest.mark.slow
 @installed
 def test_a_cluster_that_loses_a_worker_in_mid_run_finds_what_a_local_run_finds(
     tmp_path, machines, imported

@@ -198,6 +198,7 @@ def parent(tmp_path, out):
     )
 
 
+@pytest.mark.slow
 def test_a_killed_parent_takes_its_workers_along_and_is_resumed_to_the_same_tables(tmp_path):
     """SIGKILL of the parent in the middle: no job is lost that was told, none is left running."""
     with parent(tmp_path, "out") as process:

@@ -56,6 +56,7 @@ def none_known(monkeypatch):
     monkeypatch.setattr(neighbours, "_found", type(neighbours._found)())
 
 
+@pytest.mark.slow
 def test_a_swept_stress_is_that_of_a_solid_within_its_bar(tmp_path, none_known):
     """Both have a mesh of their own only in the second case, whose bar is of its own meshes."""
     swept, solid = checked(tmp_path, "9.3 mm"), checked(tmp_path, "9.3 mm", "solid")
@@ -112,6 +113,7 @@ mesh = { fineness = 0.5 }
 """
 
 
+@pytest.mark.slow
 def test_the_thickness_of_a_part_from_cad_is_swept(tmp_path, none_known):
     """Its neighbour on the grid about the file's 8 mm, which the design does not state."""
     write_step(tmp_path / "rod.step", PlateLink(length=161, width=30, thickness=8, hole=12).build)

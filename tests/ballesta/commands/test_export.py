@@ -51,6 +51,7 @@ def test_the_worst_position_is_where_the_press_pushes_hardest(worst):
     assert_allclose(worst.resultants["knee"][0], 61568, rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_a_volume_over_the_cycle_has_the_peak_of_the_deck_at_its_position(worst, tmp_path):
     """Stress in single precision, 1e-6; displacement is continuous, stress a tensor of six."""
     (file,) = export_cycle(PRESS, "bar_upper", cycle="press", out=tmp_path, overrides=COARSE)

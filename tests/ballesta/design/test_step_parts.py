@@ -128,6 +128,7 @@ def test_what_a_part_from_cad_states_arrives_in_millimetres(machine):
     assert shape.holes[0].at == pytest.approx((60, 0, 0))
 
 
+@pytest.mark.slow
 def test_a_part_is_as_thick_as_the_design_says(machine):
     """Numbers by formula are those of the part drawn so, to what is measured on a mesh: 1e-3."""
     thicker = read_design(machine, ["parts.crank.thickness=12 mm"])

@@ -362,6 +362,7 @@ def test_the_hammer_forges_by_motor_and_flywheel(forging, answers):
     assert len(with_it.speed) == len(whole[FORGING].times)
 
 
+@pytest.mark.slow
 def test_an_elastic_workpiece_is_struck_as_by_the_ram_alone_and_the_anvil_yields(forging):
     """v sqrt(k m) for half a period, at every touch; the leaves press with up to 1.1 kN besides."""
     design, solved = forging('{ stiffness = "20 kN/mm" }')

@@ -135,7 +135,9 @@ def test_a_crooked_bar_that_governs_bows_as_its_column_and_says_that_it_is_no_mo
     assert np.abs(rod.live.mode[:, across]).max() > 0.99
 
 
-@pytest.mark.parametrize("name", ["quick_return", "gallery/gripper"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("quick_return", marks=pytest.mark.slow), "gallery/gripper"]
+)
 def test_a_part_whose_elastic_load_governs_has_the_mode_of_its_formula(name):
     """A slotted lever, and a link that is bent: both were "not drawn"."""
     result = checked(name, "require.buckling=1000")

@@ -125,6 +125,7 @@ def models():
 EVEN = "parts.leaves.material=even"
 
 
+@pytest.mark.slow
 def test_a_forging_force_is_that_of_a_leaf_on_soft_clamps(tmp_path, models):
     """The clamp of 80 mm spreads the reaction at R and cuts off the peak of the moment, which
     stiffens the leaf by 0.75 %; shear softens it by 0.04 %: 809.9 N instead of 806.9 N.

@@ -92,6 +92,7 @@ def test_friction_that_locks_a_third_higher_breaks_a_validity_check():
     assert "press: friction a third" in gate.name
 
 
+@pytest.mark.slow
 def test_bars_of_a_check_reach_to_the_loads_with_other_friction():
     """By formula: value and bars of 0.09 hold the values of 0.06 and 0.12."""
     effort = Effort(fidelity="formula")

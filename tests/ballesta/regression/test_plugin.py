@@ -113,6 +113,7 @@ def test_the_plugin_imports_nothing_that_the_user_may_have_too():
     assert done.stdout.split(maxsplit=1)[1].strip() == "[]"
 
 
+@pytest.mark.slow
 def test_designs_run_side_by_side_under_xdist_with_a_junit_report(run_apart, repository):
     pytest.importorskip("xdist")
     for name in ("machine.toml", "machine.baseline.json"):

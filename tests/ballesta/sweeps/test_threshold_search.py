@@ -387,6 +387,7 @@ def test_a_search_that_was_stopped_goes_on_with_what_it_had(file, tmp_path, monk
     assert not set(again) & set(checked)
 
 
+@pytest.mark.slow
 def test_a_design_that_is_edited_during_its_search_gives_no_answer_and_spoils_no_store(
     file, tmp_path, monkeypatch, capsys
 ):

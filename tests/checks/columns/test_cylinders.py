@@ -253,6 +253,7 @@ def test_a_slender_rod_fails_and_has_no_stress(jib):
     assert result.status.name == "FAIL"
 
 
+@pytest.mark.slow
 def test_a_thicker_rod_is_told_that_makes_the_design_pass(jib, capsys):
     """The next sizes of R20 up to the first that passes: 20 and 22.4 mm do not, 25 mm does."""
     thin = ["--set", "cylinders.lift.rod=20 mm"]

@@ -305,6 +305,7 @@ def test_bushes_in_two_bores_are_at_the_same_end_together(tmp_path):
     assert "and of the bush in second" in whole.note
 
 
+@pytest.mark.slow
 def test_a_load_factor_leaves_the_bush_and_the_page_follows_neither(tmp_path):
     """Half of the loads is less than half as safe again; the page's slider would have doubled."""
     design = link(tmp_path)

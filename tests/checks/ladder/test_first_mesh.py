@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from checks.ladder.levels import COARSE, LOOSE, Asked, first_of, solve_levels
 from checks.part.loaded_part import FIRST, LoadedPart
@@ -66,6 +67,7 @@ def test_a_verdict_that_the_coarse_pair_leaves_open_gets_a_third_mesh(tmp_path):
     assert len(meshes(tmp_path, FIRST, 0.2, fineness=0.6)[0]) == 2
 
 
+@pytest.mark.slow
 def test_the_bar_of_a_coarse_pair_holds_what_finer_meshes_find(tmp_path):
     coarse, value, bar = meshes(tmp_path, COARSE, LOOSE, "settled")
     finer, better, left = meshes(tmp_path, FIRST, 0.01)

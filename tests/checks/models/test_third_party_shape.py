@@ -92,6 +92,7 @@ def test_a_shape_of_another_package_is_checked_by_formula_and_column(site, tmp_p
     assert_allclose(share, pressure / euler, rtol=2e-3)
 
 
+@pytest.mark.slow
 def test_its_solid_has_the_stress_of_its_section_at_mid_length(site, tmp_path):
     found = result_of(site, tmp_path, "solid")
     (axial,) = ((hand, model) for q, hand, model in found["hand"] if q.startswith("axial"))

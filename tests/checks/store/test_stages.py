@@ -102,6 +102,7 @@ def again(filled, *overrides, store=True):
     return numbers(check_design(design, effort=SOLID, store=kept))
 
 
+@pytest.mark.slow
 def test_a_solid_has_the_same_numbers_without_a_store_into_one_and_out_of_one(filled, calls):
     _, plain, first, said = filled
     assert first == plain
