@@ -12,7 +12,7 @@ import numpy as np
 import fatigue
 from checks.design.strength import FkmStrength
 from checks.part.part_loads import PartLoads
-from checks.strength.finite_life import DutyLife, LifeTask, lives_of, shortest_life
+from checks.strength.finite_life import DutyLife, LifeTask, lives_of, shorter_life, shortest_life
 from checks.strength.fkm_strength import (
     FkmJudgement,
     SlopesAt,
@@ -143,13 +143,13 @@ class FatigueUse(Judged):
                 own = own @ states
             return np.pad(own, ((0, 0), (0, 0), (0, basis.shape[2] - own.shape[2])))
 
-        return self._of_duty(found, slopes)
+        return self._of_duty(found, slopes, reached)
 
     def _floor(self, reached: float) -> float:
         """The utilisation up to which points need not be judged where a value is reached, MPa."""
         return reached / self.limit
 
-    def _of_duty(self, duty: DutyVerdict, slopes: SlopesAt) -> float:
+    def _of_duty(self, duty: DutyVerdict, slopes: SlopesAt, reached: float) -> float:
         """The quantity over a duty, and the slopes of its basis into the part, MPa."""
         return duty.peak.value
 
@@ -207,8 +207,10 @@ class LifeUse(FatigueUse):
     def _floor(self, reached: float) -> float:
         return 0.0  # Miner's sum may use a point more than the two criteria do
 
-    def _of_duty(self, duty: DutyVerdict, slopes: SlopesAt) -> float:
-        return self.limit / shortest_life(duty, self.task).safety
+    def _of_duty(self, duty: DutyVerdict, slopes: SlopesAt, reached: float) -> float:
+        than = self.limit / reached if reached else None
+        life = shorter_life(duty, self.task, than)
+        return self.limit / life.safety if life else reached
 
     def safety_missed(self, level: Stressed) -> float:
         """How far from 1 the safety is that all loads times the safety leave, counted again."""
@@ -301,7 +303,7 @@ class FkmUse(FatigueUse):
         used = [found.utilisation_between(stress[..., k]) for k in range(len(numbers))]
         return [float(one.max()) * self.strength.reference for one in used]
 
-    def _of_duty(self, duty: DutyVerdict, slopes: SlopesAt) -> float:
+    def _of_duty(self, duty: DutyVerdict, slopes: SlopesAt, reached: float) -> float:
         worst = fkm_judgement(self.strength, duty.basis, duty.coefficients, duty.runs, slopes)
         return worst.demand
 

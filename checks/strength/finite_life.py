@@ -192,6 +192,16 @@ def _start_and_knee(material: Material, *, axial: bool) -> tuple[float, float]:
 
 def shortest_life(verdict: DutyVerdict, task: LifeTask) -> DutyLife:
     """Return the life of the point with the smallest safety; of equal ones the first found."""
+    found = shorter_life(verdict, task, None)
+    assert found is not None
+    return found
+
+
+def shorter_life(verdict: DutyVerdict, task: LifeTask, than: float | None) -> DutyLife | None:
+    """Return the shortest life where its safety is below another; None where none is.
+
+    than  None: whatever it is
+    """
     bound = _bound(verdict)
     most = sum(task.counts[name] * len(run) / 2 for name, run in cycles_of(verdict).items())
     curve = life_curve(task.material, verdict.limits, axial=task.axial)
@@ -199,17 +209,16 @@ def shortest_life(verdict: DutyVerdict, task: LifeTask) -> DutyLife:
     order = np.argsort(-bound, kind="stable")
     best: DutyLife | None = None
     done = 0
-    while done < len(order) and (best is None or least < best.safety * float(bound[order[done]])):
+    while done < len(order) and (than is None or least < than * float(bound[order[done]])):
         points = order[done : done + _TOGETHER]
         done += len(points)
         readings = readings_of(verdict, points)
         bounds = _lives(verdict, task, readings)
         for least_life in sorted(_least(bounds, points), key=lambda life: life.safety):
-            if best is None or least_life.safety < best.safety:
+            if than is None or least_life.safety < than:
                 [life] = _exactly(verdict, task, readings, bounds, np.array([least_life.point]))
-                if best is None or life.safety < best.safety:
-                    best = life
-    assert best is not None
+                if than is None or life.safety < than:
+                    best, than = life, life.safety
     return best
 
 

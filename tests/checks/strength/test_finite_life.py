@@ -13,6 +13,7 @@ from checks.strength.finite_life import (
     life_curve,
     lives_of,
     raised_exactly,
+    shorter_life,
     shortest_life,
     why_no_curve,
 )
@@ -202,6 +203,16 @@ def test_the_worst_of_many_points_is_found_where_tension_and_planes_decide(seed,
     each = [lives_of(verdict, task, np.array([k]))[0].safety for k in range(40)]
     assert_allclose(found.safety, min(each), rtol=1e-9)
     assert found.point == int(np.argmin(each))
+
+
+def test_a_life_that_is_no_shorter_than_one_known_is_not_told(monkeypatch):
+    """By 1e-9 of its safety to both sides; what cannot be shorter is not read."""
+    verdict, task = under_waves(12)
+    found = shortest_life(verdict, task)
+    assert shorter_life(verdict, task, (1 + 1e-9) * found.safety).safety == found.safety
+    assert shorter_life(verdict, task, (1 - 1e-9) * found.safety) is None
+    monkeypatch.delattr("checks.strength.finite_life.readings_of")
+    assert shorter_life(verdict, task, 1e-3 * found.safety) is None
 
 
 def test_findleys_planes_are_searched_only_where_the_worst_point_may_be(monkeypatch):
