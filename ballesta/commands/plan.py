@@ -152,7 +152,7 @@ def _joints_in_words(design: Design) -> list[str]:
             if isinstance(joint, loads.Fixed):
                 lines.append(f"{name}: weld of {' and '.join(bodies)} at {joint.point}")
             elif not isinstance(joint, loads.Revolute):
-                x, y = joint.direction
+                x, y = (round(one, 9) + 0.0 for one in joint.direction)  # no -0, no round-off
                 between = f", from {joint.ends[0]:g} to {joint.ends[1]:g} mm" if joint.ends else ""
                 if joint.point_a not in design.points:
                     guides.append(f"guide of {joint.body_b}{between}")
