@@ -222,7 +222,7 @@ def _frame(
             *doubts.gates,
             *quasi_static_gates(design, vibration),
             *balance_gates(design, machine.measured),
-            *endless_gates(design),
+            *endless_gates(design, machine.all),
         ],
         warnings=[
             *machine.warnings,

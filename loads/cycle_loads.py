@@ -199,6 +199,12 @@ class CycleLoads:
         """Return where a point of a body is over the cycle (n, 2) [mm]."""
         return self._kinematics.point(self.poses, body, point)
 
+    def acceleration(self, body: str, point: str) -> FloatArray:
+        """Return the acceleration of a point of a body over the cycle (n, 2) [mm/s2]."""
+        row = self.body_index(body)
+        arm = self.point(body, point) - self.poses[:, row, :2]
+        return acceleration_at(arm, self.velocities[:, row], self.accelerations[:, row])
+
     def body_loads(self, body: str) -> list[PointLoad]:
         """Return every load on a body but weight and inertia, in ground axes."""
         self.linkage.body(body)

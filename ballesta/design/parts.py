@@ -31,7 +31,7 @@ from checks.design.strength import FkmStrength, fkm_of
 from checks.handbook.fits import clearances_of
 from checks.handbook.weld_details import HIGHEST, STANDARD, category_of
 from checks.result.words import clipped
-from geometry.bars import Walls
+from geometry.bars import RulingSection, Walls
 from geometry.mesh import Interface
 from geometry.parameters import GIVEN_BY_DESIGN, GIVEN_BY_LINKAGE, ParameterError
 from geometry.parts import SHAPES, Beam, Pin, Seat
@@ -270,7 +270,12 @@ def _rollers(
                 f"it must be at most {room / 2:g} mm; is {contact.radius:g} mm its diameter?",
             )
         else:
-            own = None if contact.material is None else materials[contact.material]
+            size = RulingSection(2 * contact.radius, round=True)
+            try:
+                own = materials[contact.material].of((size,)) if contact.material else None
+            except ParameterError as error:
+                problems.add(f"{key}.contacts.{name}.material", error.problem)
+                continue
             rollers[name] = Roller(contact.radius, own)
     return rollers
 

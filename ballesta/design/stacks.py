@@ -188,8 +188,15 @@ def _carried(pin: Part, parts: Mapping[str, Part]) -> Iterator[tuple[Part, str]]
 
 
 def _check_bushes(pin: Part, problems: Problems) -> None:
-    """A bush bears on the pin no longer than its lug is wide there."""
+    """A bush bears on the pin no longer than its lug is wide there, and slides if it says so."""
     for index, lug in enumerate(pin.stack):
+        if lug.bush is not None and lug.bush.pv is not None and lug.body == pin.fixed_to:
+            problems.add(
+                f"parts.{pin.name}.stack[{index}].bush.pv",
+                f"the pin turns with {lug.body} (fixed_to), so that nothing slides in this bush; "
+                f"if the pin turns in it, parts.{pin.name}.fixed_to is another body, else leave "
+                "pv out",
+            )
         if lug.bush is not None and not within(lug.bush.length, lug.width):
             key = f"parts.{pin.name}.stack[{index}]"
             problems.add(

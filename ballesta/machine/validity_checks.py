@@ -10,9 +10,11 @@ from ballesta.machine.drive_speed import friction_gate, motor_figures, shown_cyc
 from ballesta.machine.solved_cycles import event_figures
 from checks.design.data import Design, MeasuredRun, Part
 from checks.design.errors import Problems
-from checks.part.part_loads import is_loaded, shown_name, shown_position
+from checks.part.part_loads import Runs, is_loaded, shown_name, shown_position
 from checks.result.verdict import Gate
 from checks.result.words import number
+from fatigue import count_closed_cycles
+from geometry.closed_form import closed_body
 from reports.loads_words import event_sentence
 
 _GAP = 1e-6  # mm
@@ -24,7 +26,9 @@ _CONDITIONING = 0.02  # share of the motion that the solved force sees
 _FRICTION_SHARE = 0.3  # a coefficient is known to a third at best: the efforts then to 10 %
 _MOTOR_ENERGY = 1e-3  # the trapezoidal rule over some hundred positions
 _KNEE = 1e6  # cycles, of metals with an endurance limit
+_LARGE = 0.5  # of the largest cycle: smaller ones do less than a hundredth of its damage
 _PAST_PIN = 0.05  # share of a pin's force that its bore lacks
+_PIN_MASS = 0.05  # share of a pin's force that its own weight and inertia are
 _USED_TRAVEL = 0.98  # of a slot's length: closer than 1 % of it to an end, play lets it strike
 
 
@@ -42,33 +46,51 @@ def load_gates(
     ]
 
 
-def endless_gates(design: Design) -> list[Gate]:
+def endless_gates(design: Design, runs: Runs) -> Iterator[Gate]:
     """Gates for metals without an endurance limit whose duty goes on beyond their tests.
 
     A ratio at 1e6 cycles belongs to a metal with a limit, or to the end of the FKM guideline's
     curve; one at more is where tests of rotating bars were stopped.
     """
-    duty = design.duty
-    if duty.life == "finite":
-        return []
-    runs = sum(duty.cycles.values())
-    return [
-        Gate(
-            f"{part.name}: cycles of an endless life",
-            runs / part.material.endurance_cycles,
-            1.0,
-            f"{number(runs)} runs of the duty over the {part.material.endurance_cycles:g} cycles "
-            f"that {part.material.name} endures its endurance ratio: it has no endurance limit, "
-            "and strength falls on beyond",
-            cure='State duty.life = "finite", which follows its S-N curve there',
-            key="duty.life=finite",
+    for part in design.parts.values() if design.duty.life == "infinite" else ():
+        metal = part.material
+        if part.fkm is not None or metal.endurance_ratio is None or metal.endurance_cycles <= _KNEE:
+            continue
+        cycles = sum(
+            often * _load_cycles(part, runs[name])
+            for name, often in design.duty.cycles.items()
+            if name in runs
         )
-        for part in design.parts.values()
-        if part.fkm is None
-        and part.material.endurance_ratio is not None
-        and part.material.endurance_cycles > _KNEE
-        and runs > part.material.endurance_cycles
+        if cycles > metal.endurance_cycles:
+            yield Gate(
+                f"{part.name}: cycles of an endless life",
+                cycles / metal.endurance_cycles,
+                1.0,
+                f"{number(cycles)} cycles of the duty over the {metal.endurance_cycles:g} "
+                f"that {metal.name} endures its endurance ratio: it has no endurance limit, "
+                "and strength falls on beyond",
+                cure='State duty.life = "finite", which follows its S-N curve there',
+                key="duty.life=finite",
+            )
+
+
+def _load_cycles(part: Part, run: loads.CycleLoads | loads.MeasuredLoads) -> float:
+    """Cycles of a part's forces in a run that are at least half as large as the largest; 1 or more.
+
+    A measured run may be hours of work.
+    """
+    bodies = [part.body] if part.body else [lug.body for lug in part.stack]
+    acting = [
+        load.force[:, axis]
+        for body in bodies
+        if body in (run.bodies if isinstance(run, loads.MeasuredLoads) else run.linkage.body_names)
+        for load in run.body_loads(str(body))
+        for axis in (0, 1)
     ]
+    counted = [count_closed_cycles(force) for force in acting]
+    least = _LARGE * max((own.stress_amplitude[0] for own in counted), default=0.0)
+    large = (own.cycle_counts[own.stress_amplitude >= least].sum() for own in counted)
+    return float(max(large, default=1.0)) if least else 1.0
 
 
 def dead_centre_gate(cycle: str) -> str:
@@ -92,6 +114,7 @@ def _cycle_gates(
         *_deflected_shape(name, cycle),
         *_slot_ends(name, cycle),
         *_past_pins(design, name, cycle),
+        *_heavy_pins(design, name, cycle),
         *_drive_forces(design, name, cycle),
         *_cycle_time(design, name, cycle),
         *_motor(design, name, cycle),
@@ -294,6 +317,36 @@ def _past_pins(design: Design, name: str, cycle: loads.CycleLoads) -> Iterator[G
                 cure=f"Let {beside} act at another point of {part.body}, an interface of its part "
                 "(of a guide: the first of the body's pins); name a force whose eye is on the pin "
                 "in the stack of that pin",
+            )
+
+
+def _heavy_pins(design: Design, name: str, cycle: loads.CycleLoads) -> Iterator[Gate]:
+    """Gates for pins whose own mass is in no body, and matters.
+
+    The mass of a body is its part's unless the design states it, which then may have its pins' too.
+    """
+    for pin in design.parts.values():
+        stated = design.stated_masses.get(pin.fixed_to or "")
+        if pin.joint is None or stated is None or stated.mass is not None:
+            continue
+        body = closed_body(pin.geometry)
+        assert body is not None, "a pin's volume is known by formula"
+        mass = body.volume * pin.material.density
+        pull = cycle.acceleration(str(pin.fixed_to), pin.joint) - np.array(design.gravity)
+        acting = [
+            np.hypot(*cycle.reactions[joint.name].force.T).max()
+            for joint in cycle.linkage.joints
+            if isinstance(joint, loads.Revolute) and joint.point == pin.joint
+        ]
+        own, most = float(mass * np.hypot(*pull.T).max()), max(acting, default=0.0)
+        if own > _PIN_MASS * most:
+            yield Gate(
+                f"{name}: mass of {pin.name}",
+                own / (most or own),
+                _PIN_MASS,
+                f"weight and inertia of the pin, {number(1e3 * mass)} kg, over the largest force "
+                "in its joint: it is in no load",
+                cure=f"State bodies.{pin.fixed_to}.mass, centre and inertia with the pin's",
             )
 
 

@@ -18,6 +18,7 @@ from geometry.parts.pin import as_pin
 _STATED = 1e-3  # mm, how exactly points are usually stated
 _FAR = 3.0  # diameters of its hole that a plate beside another may stand away
 _ROUND_OFF = 1e-6
+_THIN = 0.1  # of a pin's diameter, by which its friction's may be less
 _RESERVE = 0.10  # of a drive's available force; less is worth a warning
 
 
@@ -37,7 +38,28 @@ def design_warnings(
         *load_warnings(design, masses, computed),
         *_assembly(design, solved),
         *_short_columns(design),
+        *_thin_friction(design),
     ]
+
+
+def _thin_friction(design: Design) -> list[str]:
+    """Pins whose friction is stated on a diameter well below their own, so that couples lack."""
+    stated = [design.friction, *(cycle.friction for cycle in design.cycles.values())]
+    warnings = []
+    for pin in design.parts.values():
+        shape = as_pin(pin.geometry)
+        if shape is None or pin.joint is None:
+            continue
+        least = min(shape.neck(seat) for seat in shape.seats)
+        names = [joint.name for joint in design.joints.get(pin.joint, ())]
+        radii = [own[name].radius for own in stated if own for name in names if name in own]
+        if radii and 2 * min(radii) < (1 - _THIN) * least:
+            warnings.append(
+                f"{pin.joint}: its friction is stated on a diameter of {2 * min(radii):g} mm, "
+                f"{pin.name} has {least:g} mm, whose couple is {least / 2 / min(radii):.3g} times "
+                "as large; is it a rolling bearing?"
+            )
+    return warnings
 
 
 def _short_columns(design: Design) -> list[str]:

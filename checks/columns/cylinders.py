@@ -48,7 +48,8 @@ TUBE = Kind(
 )
 KINDS = (BUCKLING, ROD, TUBE)
 NOT_CHECKED = (
-    "fatigue, thread, eyes, welds and seals of {}, and friction of its eyes",
+    "fatigue, thread, eyes, welds and seals of {}, friction of its eyes, and what its own mass "
+    "adds to the loads of the linkage",
     "play of the guides of {}: state guide and play",
     "buckling and stress of {} in {}: measured loads tell no force of a cylinder",
 )

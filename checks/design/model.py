@@ -301,7 +301,7 @@ class StepPartEntry(BodyPartEntry):
         None,
         description="stressed section: height in the linkage's plane, across the line from the "
         "first hole to the second, and thickness along the pins; for the endurance limit's size "
-        "factor",
+        "factor and the size that the material's strengths are of",
     )
     thickness: PositiveLength | None = Field(
         None,

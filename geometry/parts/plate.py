@@ -262,12 +262,12 @@ class Plate(Shape):
     def stressed_section(self) -> Pair:
         """Height and thickness in mm, for Marin's size factor: its highest section.
 
-        Of those across the lines between neighbouring bores, away from the bores.
+        Of those across the lines between neighbouring bores, through the bores and between them.
         """
         heights = [0.0]
         for i, j in self.neighbours:
             first, last = self.bores[i].centre, self.bores[j].centre
-            for share in (0.25, 0.5, 0.75):
+            for share in (0.0, 0.25, 0.5, 0.75, 1.0):
                 cut = self.outline.cut(first + share * (last - first), last - first)
                 if cut is not None:
                     heights.append(cut.ends[1] - cut.ends[0])

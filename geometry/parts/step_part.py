@@ -393,8 +393,9 @@ class StepPart(Shape):
         if self.section is None:
             height, thickness = self.stressed_section
             said.append(
-                f"the stressed section for the size factor is {height:.3g} x {thickness:.3g} mm: "
-                "the solid's height, and 4 V/A but at most its thickness; `section` states another"
+                "the stressed section of size factor and strength is "
+                f"{height:.3g} x {thickness:.3g} mm: the solid's height, and 4 V/A but at "
+                "most its thickness; `section` states another"
             )
         for name, (x, y) in self.shifts.items():
             if hypot(x, y) > _STATED:
@@ -437,13 +438,14 @@ class StepPart(Shape):
 
     @property
     def ruling_sections(self) -> tuple[RulingSection, ...]:
-        """Sizes that grade the strength of its material."""
-        return tuple(
+        """Sizes that grade the strength of its material: its holes', and of what lies between."""
+        holes = (
             RulingSection(hole.diameter, round=True)
             if hole.kind == "journal"
             else RulingSection(hole.length)
             for hole in self.found.values()
         )
+        return (*holes, RulingSection(min(self.stressed_section)))
 
     @property
     def placed_interfaces(self) -> list[Interface]:

@@ -114,6 +114,18 @@ def test_neighbours_join_all_bores_by_the_shortest_lines():
     assert lever(STRAIGHT).stressed_section == (30.0, 10.0)
 
 
+def test_the_section_of_a_waisted_plate_is_its_eyes():
+    """Bores decide beside a shank of 16 mm between eyes of 40 mm, as those of a rod with eyes."""
+    outer = Contour.of(
+        (-20j, 19 - 8j, 101 - 8j, 120 - 20j, 120 + 20j, 101 + 8j, 19 + 8j, 20j),
+        (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0),
+    )
+    holes = tuple(Contour.round(x, 6) for x in (0, 120))
+    bores = (PlateBore("a", 12, (0, 0)), PlateBore("b", 12, (120, 0)))
+    plate = Plate(PlateOutline(outer, holes), bores, 8.0)
+    assert_allclose(plate.stressed_section, (40, 8))
+
+
 @pytest.mark.parametrize(
     ("change", "field", "told"),
     [

@@ -170,6 +170,22 @@ def test_the_section_is_estimated_from_the_body_unless_it_is_stated(folder, link
     assert not any("size factor" in said for said in stated.told)
 
 
+def test_strengths_are_those_of_a_shank_thicker_than_its_eyes(folder):
+    """A bar of 30 mm between eyes of 8 mm had those of 8 mm; 4 V/A is that of both together."""
+
+    def rod(gmsh):
+        occ = gmsh.model.occ
+        eyes = [(3, occ.addBox(x - 15, -15, -4, 30, 30, 8)) for x in (0, 160)]
+        occ.fuse([(3, occ.addCylinder(15, 0, 0, 130, 0, 0, 15))], eyes)
+        holes = [(3, occ.addCylinder(x, 0, -5, 0, 0, 10, 5)) for x in (0, 160)]
+        occ.cut(occ.getEntities(3), holes)
+
+    near, far = (NamedHole(name, 10, (x, 0, 0)) for name, x in (("a", 0), ("b", 160)))
+    part = StepPart(write_step(folder / "shank.step", rod), (near, far))
+    assert_allclose([one.size for one in part.ruling_sections[:2]], 8, rtol=1e-9)
+    assert 16 < part.ruling_sections[2].size < 30
+
+
 def test_elements_are_small_at_named_holes_and_in_hollow_fillets(folder):
     """An angle of 10 mm plates with 2 mm in its corner: elements there of 2 / 1.5 mm or less."""
 

@@ -111,7 +111,7 @@ def test_a_part_from_cad_is_read_with_its_file_among_the_sources(machine):
     assert dict(design.inputs)["parts.crank.shape.step"] == "link.step"
     assert dict(design.defaults_used)["parts.crank.hole_tolerance"] == "0.05 mm"
     told = [reason for key, reason in design.assumed if key == "parts.crank.shape"]
-    assert any("stressed section for the size factor is 24 x 8 mm" in reason for reason in told)
+    assert any("of size factor and strength is 24 x 8 mm" in reason for reason in told)
     assert pickle.loads(pickle.dumps(design)).parts["crank"].geometry == part.geometry
 
 

@@ -1,5 +1,6 @@
 """Friction that is known to a third: the loads at both ends, in place of a validity check."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from ballesta.design.read import read_design
 from ballesta.machine.drive_speed import friction_gate, friction_pairs
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.machine.validity_checks import load_gates
+from ballesta.machine.warnings_of import design_warnings
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 
@@ -108,3 +110,13 @@ def test_bars_of_a_check_reach_to_the_loads_with_other_friction():
     assert own.value - own.loads_below <= values[0] * (1 + 1e-6)
     assert own.value + own.loads >= values[1] * (1 - 1e-6)
     assert own.loads + own.loads_below >= 0.999 * (values[1] - values[0]) > 0.0
+
+
+@pytest.mark.parametrize(("diameter", "told"), [("35 mm", 0), ("10 mm", 1)])
+def test_friction_on_less_than_the_pins_own_diameter_is_told(diameter, told):
+    """The couple is mu F d/2; the pin has 35 mm in the eye, where it is thinnest."""
+    design, solved = press(pins(0.1, diameter))
+    told_of = design_warnings(replace(design, cycles={"press": design.cycles["press"]}), {}, solved)
+    warnings = [text for text in told_of if "friction" in text]
+    assert len(warnings) == told
+    assert all("pin_B has 35 mm, whose couple is 3.5 times" in text for text in warnings)

@@ -93,9 +93,12 @@ def _loaded(found):
     return LoadedPart(design, part, loads, cycles)
 
 
-def test_a_bush_in_the_body_that_the_pin_turns_with_does_not_slide(tmp_path):
-    found = bush_checks(_loaded(bushes(tmp_path, **{'fixed_to = "crank"': 'fixed_to = "rod"'})))
-    assert found[1].value == 0
+def test_a_bush_in_the_body_that_the_pin_turns_with_has_no_p_v(tmp_path):
+    """It had 0, and passed: a pin that is fixed to the wrong body by mistake slides elsewhere."""
+    with pytest.raises(DesignError, match=r"stack\[1\]\.bush\.pv: the pin turns with rod"):
+        bushes(tmp_path, **{'fixed_to = "crank"': 'fixed_to = "rod"'})
+    (pressure,) = bush_checks(_loaded(bushes(tmp_path, "", **{'"crank"\nmat': '"rod"\nmat'})))
+    assert pressure.value > 0
 
 
 def test_without_p_v_only_the_pressure_is_checked(tmp_path):

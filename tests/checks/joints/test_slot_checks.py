@@ -96,6 +96,15 @@ def test_a_softer_pin_yields_first_and_gives_way_more(tmp_path):
     assert "bronze" in found.basis
 
 
+@pytest.mark.parametrize(("radius", "yields"), [(8, 235), (9, 225)])
+def test_a_pin_in_a_slot_has_the_strength_of_its_own_diameter(tmp_path, radius, yields):
+    """EN 10025-2: S235 has 235 MPa up to 16 mm, 225 up to 40."""
+    entry = f"contacts = {{ slot = {{ radius = '{radius} mm', material = 'S235' }} }}"
+    wide = ["parts.lever.slot_width=20 mm", "parts.lever.width=40 mm"]
+    (found,) = checks_of(lever(tmp_path, entry, *wide), 800.0)
+    assert_allclose(found.limit, FIRST_YIELD * yields)
+
+
 def test_a_flat_block_presses_evenly_and_its_edges_are_told(tmp_path):
     """800 N on 10 x 8 mm: 10 MPa."""
     (found,) = checks_of(lever(tmp_path), 800.0)
