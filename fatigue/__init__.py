@@ -46,7 +46,13 @@ from fatigue.shear_planes import (
     smallest_circles,
 )
 from fatigue.sn_curve import SNCurve, basquin_curve, low_cycle_fraction
-from fatigue.stress_path import COMPONENTS, principal_stresses, von_mises, von_mises_peaks
+from fatigue.stress_path import (
+    COMPONENTS,
+    path_lengths,
+    principal_stresses,
+    von_mises,
+    von_mises_peaks,
+)
 from fatigue.verdict import Verdict, ductile_verdict
 
 __all__ = [
@@ -87,6 +93,7 @@ __all__ = [
     "low_cycle_fraction",
     "miner_damage",
     "path_bounds",
+    "path_lengths",
     "principal_stresses",
     "rectangle_equivalent_diameter",
     "roughness_factor",

@@ -96,6 +96,19 @@ class SNCurve:
         with np.errstate(divide="ignore", over="ignore"):
             return np.asarray(1.0 / damage)
 
+    def amplitude(self, damage_per_cycle: FloatArray) -> FloatArray:
+        """Return the amplitudes, MPa, that do so much damage above 0 a cycle, one per point."""
+        knee, often = np.asarray(self.knee_amplitude), damage_per_cycle * self.knee_cycles
+        slope = np.where(often >= 1.0, self.slope, self.slope_below)
+        found = knee * often ** (1.0 / slope)
+        if self.ultimate_strength is None:
+            return np.asarray(found)
+        strength = self.ultimate_strength
+        start = self._low_cycle_amplitude().ravel()
+        bent = start * (strength / start) ** (np.log10(damage_per_cycle * LOW_CYCLE) / 3.0)
+        found = np.where((found > start) & (start < strength), bent, found)
+        return np.asarray(np.minimum(found, strength))
+
     def below_knee(self, variant: Variant) -> SNCurve:
         """Return this curve with an endurance limit, or continued as Miner's variants do."""
         slopes = {

@@ -183,6 +183,20 @@ def von_mises_peaks(basis: FloatArray, coefficients: FloatArray) -> tuple[FloatA
     return peak, position
 
 
+def path_lengths(basis: FloatArray, coefficients: FloatArray) -> FloatArray:
+    """Return the length (n_points,) of each point's closed path in von Mises stress, MPa.
+
+    No reading of the path along a chord goes farther up and down in all.
+    """
+    basis, coefficients = check_history(basis, coefficients)
+    vectors, steps = deviatoric_basis(basis), np.roll(coefficients, -1, axis=1) - coefficients
+    lengths = np.empty(len(basis))
+    for block in point_blocks(len(basis), 5 * steps.shape[1]):
+        path = vectors[block] @ steps
+        lengths[block] = np.sqrt(np.einsum("pdk,pdk->pk", path, path)).sum(axis=1)
+    return lengths
+
+
 # Refusal of a number among many: a message with the fault, its first place and its count.
 
 

@@ -14,13 +14,13 @@ import numpy as np
 from geometry.mesh import FloatArray, IntArray, Interface, MassProperties, MeshError
 from geometry.meshing import gmsh_session
 from geometry.shape import Body, Buildable, in_unit, unit_of
-from geometry.sizing import check_skin
+from geometry.sizing import MOST_TRIANGLES, check_skin, skin_triangles
 
 T = TypeVar("T")
 
 _COARSE = 1.5  # of the part's general element size
 _CURVED = 20  # facets on a full turn
-_SMALLEST = 0.5  # of the facets' length on the smallest bore: rounder corners take fewer facets
+_SMALLEST = (0.5, 1.0)  # of the facets' length on the smallest bore: rounder corners take fewer
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,11 +116,14 @@ def _extent(gmsh: Any) -> float:
 def _skin(per_turn: int, gmsh: Any, body: Body, unit: float) -> Skin:
     """Flat triangles on all faces of the solids; TooFineError for too many of them."""
     radii = [interface.radius for interface in body.interfaces if interface.radius]
-    least = _SMALLEST * 2 * pi / per_turn * min(radii, default=0.0)
-    check_skin(gmsh, (least, _COARSE * body.size), per_turn, unit)
+    on_bore, most = 2 * pi / per_turn * min(radii, default=0.0), _COARSE * body.size
+    least = _SMALLEST[0] * on_bore
+    if per_turn == _CURVED and skin_triangles(gmsh, (least, most), per_turn) > MOST_TRIANGLES:
+        least = _SMALLEST[1] * on_bore  # a picture: corners along a slender part
+    check_skin(gmsh, (least, most), per_turn, unit)
     for name, value in (
         ("Mesh.ElementOrder", 1),
-        ("Mesh.MeshSizeMax", _COARSE * body.size),
+        ("Mesh.MeshSizeMax", most),
         ("Mesh.MeshSizeMin", least),
         ("Mesh.MeshSizeFromCurvature", per_turn),
     ):

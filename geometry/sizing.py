@@ -96,7 +96,7 @@ def size_field(mesh: Mesh, wanted: FloatArray) -> SizeField:
 
 _TRIANGLE = sqrt(3.0) / 4.0  # area of an equilateral triangle over its edge squared
 _TETRAHEDRON = 1.0 / (6.0 * sqrt(2.0))  # volume of a regular one over its edge cubed
-_MOST_TRIANGLES = 150_000  # of a skin: half a minute
+MOST_TRIANGLES = 150_000  # of a skin: half a minute
 _MOST_ELEMENTS = 1_000_000  # of a solid before any error is known
 _SAMPLES = 5  # along each parameter of a face, at which its curvature is asked
 _CLOSE = 0.1  # of a region's reach, within which elements have its size
@@ -113,9 +113,9 @@ def check_skin(gmsh: Any, sizes: tuple[float, float], per_turn: float, unit: flo
     unit  mm, of the lengths in the model and of the sizes
     """
     count = skin_triangles(gmsh, sizes, per_turn)
-    if not count <= _MOST_TRIANGLES:
+    if not count <= MOST_TRIANGLES:
         raise TooFineError(
-            f"its faces would need about {count:.1e} triangles, more than {_MOST_TRIANGLES:.1e}: "
+            f"its faces would need about {count:.1e} triangles, more than {MOST_TRIANGLES:.1e}: "
             f"elements of {unit * sizes[1]:.2g} mm where it is thinnest, smaller ones on its curves"
         )
 

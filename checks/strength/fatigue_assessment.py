@@ -12,7 +12,14 @@ import numpy as np
 import fatigue
 from checks.design.strength import FkmStrength
 from checks.part.part_loads import PartLoads
-from checks.strength.finite_life import DutyLife, LifeTask, lives_of, shorter_life, shortest_life
+from checks.strength.finite_life import (
+    DutyLife,
+    LifeTask,
+    lives_of,
+    most_used,
+    shorter_life,
+    shortest_life,
+)
 from checks.strength.fkm_strength import (
     FkmJudgement,
     SlopesAt,
@@ -191,6 +198,7 @@ class LifeUse(FatigueUse):
 
     task: LifeTask
     _lives: WeakKeyDictionary[Stressed, DutyLife] = field(default_factory=WeakKeyDictionary)
+    _bounds: WeakKeyDictionary[Stressed, FloatArray] = field(default_factory=WeakKeyDictionary)
 
     def life(self, level: Stressed) -> DutyLife:
         """Life of the worst point of a level, sought once."""
@@ -203,6 +211,17 @@ class LifeUse(FatigueUse):
         life = self.life(level)
         value = self.limit / life.safety
         return FatiguePeak(value, life.point, WHOLE_DUTY, life.pair, "Miner")
+
+    def at(self, level: Stressed, points: IntArray) -> FloatArray:
+        """The endurance limit over the safety of some surface points (n,), MPa."""
+        lives = lives_of(level.judged_duty, self.task, points) if len(points) else []
+        return self.limit / np.array([life.safety for life in lives])
+
+    def bound(self, level: Stressed, points: IntArray) -> FloatArray:
+        """Not less than the quantity (n,) at some surface points, MPa."""
+        if level not in self._bounds:
+            self._bounds[level] = most_used(level.judged_duty, self.task)
+        return self._bounds[level][points] * self.limit
 
     def _floor(self, reached: float) -> float:
         return 0.0  # Miner's sum may use a point more than the two criteria do

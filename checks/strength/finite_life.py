@@ -6,13 +6,16 @@ each reading, those between the cycles of the duty among them, are counted by ra
 is worse than Goodman's on a path, the cycles read along its chord are raised by the ratio of both
 at that point.
 
-The points are counted in the order of a bound on their utilisation u, amplitude and highest
-principal stress of the whole path together: no cycle of a point exceeds it. Loads n times as large
-do at most the damage of `total` cycles at n u of the endurance limit, so the safety is at least
+The points are counted in the order of a bound on 1/safety. No cycle of a point exceeds the
+amplitude a or the tension m of its whole path, and rainflow's ranges, twice as long in all, are no
+longer than the path: L in one run of a cycle, in von Mises stress. A curve's damage grows at least
+as fast as the amplitude, so that n runs do no more than n L/(4 a) cycles of a. With R the
+amplitude that as many endure
 
-    c/u,   c = min(1, (allowed damage N_D / total)**(1/k'))     k' the slope below the knee
+    1/safety <= a/R + m/S_u
 
-and the count ends where that is not below the worst safety found.
+and the count ends where that is not above the worst found. Where the duty has several cycles, the
+largest of each run may close with another one's: n more cycles of a.
 
 Below the endurance limit damage is Haibach's, but only where a larger cycle has begun it: where
 none exceeds the limit the life is infinite, and the safety is at least that against the limit. That
@@ -48,17 +51,18 @@ from fatigue import (
     goodman,
     life_verdict,
     low_cycle_fraction,
+    path_lengths,
     principal_stresses,
-    von_mises_peaks,
 )
 from fatigue.proportionality import PROPORTIONAL
-from fatigue.stress_path import point_blocks
+from fatigue.stress_path import deviatoric_basis, point_blocks
 from geometry.mesh import FloatArray, IntArray
 
 _SAME = 1e-9  # of the largest: values along a chord that count as equal
 _PARALLEL = 1e-9  # chords whose readings differ by less, of their size, are one
 _TOGETHER = 32  # points that are counted before the bound is asked again
 _ROUND_OFF = 1e-9  # of a bound
+_LEAST = 1e-200  # instead of no amplitude, or no cycle
 _AXIAL = 0.75  # of the ultimate strength, what 1e3 cycles of axial force leave
 _ALUMINIUM = 0.9  # the same in bending, of metals other than steel
 
@@ -202,14 +206,11 @@ def shorter_life(verdict: DutyVerdict, task: LifeTask, than: float | None) -> Du
 
     than  None: whatever it is
     """
-    bound = _bound(verdict)
-    most = sum(task.counts[name] * len(run) / 2 for name, run in cycles_of(verdict).items())
-    curve = life_curve(task.material, verdict.limits, axial=task.axial)
-    least = _least_share(curve, most, task.allowed_damage)
+    bound = most_used(verdict, task)
     order = np.argsort(-bound, kind="stable")
     best: DutyLife | None = None
     done = 0
-    while done < len(order) and (than is None or least < than * float(bound[order[done]])):
+    while done < len(order) and (than is None or than * float(bound[order[done]]) > 1.0):
         points = order[done : done + _TOGETHER]
         done += len(points)
         readings = readings_of(verdict, points)
@@ -296,21 +297,31 @@ def _lives(verdict: DutyVerdict, task: LifeTask, readings: Readings) -> list[Dut
     return lives
 
 
-def _bound(verdict: DutyVerdict) -> FloatArray:
-    """Utilisation (n_points,) that no cycle of a point exceeds, as it is read and raised.
+def most_used(verdict: DutyVerdict, task: LifeTask) -> FloatArray:
+    """Not less than 1/safety (n_points,) of a finite life, as its cycles are read and raised.
 
     Half the longest chord is at most the largest amplitude over all paths; no normal stress is
-    above p + 2/3 of the von Mises stress, p the hydrostatic stress: both at their largest.
+    above p + 2/3 of the von Mises stress, p the hydrostatic stress.
     """
     path = np.ascontiguousarray(verdict.coefficients[:, joined(verdict)])
-    widest = verdict.verdicts.get(JOINED, verdict.worst).bounds
-    equivalent, _ = von_mises_peaks(verdict.basis, path)
-    pressure = np.empty(len(verdict.basis))
-    trace = verdict.basis[:, :3].sum(axis=1) / 3.0
-    for block in point_blocks(len(trace), path.shape[1]):
-        pressure[block] = (trace[block] @ path).max(axis=1)
-    tension = np.maximum(pressure + 2.0 / 3.0 * equivalent, 0.0)
-    used = widest.amplitude / verdict.limits + tension / verdict.ultimate
+    amplitude = verdict.verdicts.get(JOINED, verdict.worst).bounds.amplitude
+    vectors, trace = deviatoric_basis(verdict.basis), verdict.basis[:, :3].sum(axis=1)
+    tension = np.empty(len(trace))
+    for block in point_blocks(len(trace), 5 * path.shape[1]):
+        swing = vectors[block] @ path
+        equivalent = np.sqrt(np.einsum("pdk,pdk->pk", swing, swing))
+        tension[block] = (trace[block] @ path + 2.0 * equivalent).max(axis=1) / 3.0
+    tension = np.maximum(tension, 0.0)
+    runs = cycles_of(verdict)
+    often = np.full(
+        len(amplitude), sum(task.counts[name] for name in runs) if len(runs) > 1 else 0.0
+    )
+    for name, run in runs.items():
+        length = path_lengths(verdict.basis, np.ascontiguousarray(verdict.coefficients[:, run]))
+        often = often + task.counts[name] * length / (4.0 * np.maximum(amplitude, _LEAST))
+    curve = life_curve(task.material, verdict.limits, axial=task.axial)
+    endured = curve.amplitude(task.allowed_damage / np.maximum(often, _LEAST))
+    used = amplitude / endured + tension / verdict.ultimate
     return np.asarray(used * _raised(verdict) * (1.0 + _ROUND_OFF))
 
 
@@ -328,13 +339,6 @@ def _raised(verdict: DutyVerdict) -> FloatArray:
                 ratio = single.plane_bound[points] / chords.utilisation
             raised[points] = np.maximum(raised[points], ratio)
     return raised
-
-
-def _least_share(curve: SNCurve, most_cycles: float, allowed_damage: float) -> float:
-    """Least product of a point's safety and its bound; the flattest curve gives it."""
-    slope = float(np.min(curve.slope_below))
-    at_limit = allowed_damage * float(np.min(curve.knee_cycles)) / most_cycles
-    return float(min(1.0, at_limit ** (1.0 / slope)))
 
 
 def cycles_of(verdict: DutyVerdict) -> dict[str, IntArray]:

@@ -133,3 +133,12 @@ def test_curves_that_cannot_be_are_refused():
         KNEE.below_knee("haybach")
     with pytest.raises(ValueError, match=r"below 582.36 MPa, endured 1e3 times: 600"):
         basquin_curve(690.0, 600.0, 0.844)
+
+
+def test_the_amplitude_of_a_damage_does_it():
+    """Of every stretch of the curve, point by point: below the knee, above it, and the bend."""
+    curve = basquin_curve(500.0, np.full(5, 150.0), 0.9).below_knee("haibach")
+    damage = np.array([1e-9, 1e-6, 1e-4, 1e-3, 0.2])
+    amplitude = curve.amplitude(damage)
+    assert_allclose(curve.damage_per_cycle(amplitude[:, None])[:, 0], damage, rtol=1e-9)
+    assert curve.amplitude(np.full(5, 30.0)) == pytest.approx(500.0)

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import fatigue
-from fatigue import principal_stresses, von_mises, von_mises_peaks
+from fatigue import path_lengths, principal_stresses, von_mises, von_mises_peaks
 from fatigue.stress_path import deviatoric_basis
 
 
@@ -61,3 +61,13 @@ def test_the_von_mises_norm_of_the_five_vectors_is_the_textbook_s():
     assert_allclose(von_mises(stress), expected, rtol=1e-14)
     vectors = deviatoric_basis(stress[:, :, None])[:, :, 0]
     assert_allclose(np.linalg.norm(vectors, axis=1), expected, rtol=1e-14)
+
+
+def test_a_closed_path_is_as_long_as_its_steps_and_the_one_back():
+    """Pressure has no length; a pull of 60 MPa is von Mises stress, a shear of 80/sqrt(3) is 80."""
+    basis = np.eye(6)[None]
+    corners = np.zeros((6, 4))
+    corners[0, 1:] = 60.0
+    corners[3, 2] = 80.0 / np.sqrt(3.0)
+    corners[:3, 3] += 500.0
+    assert_allclose(path_lengths(basis, corners), [60.0 + 80.0 + 80.0 + 60.0], rtol=1e-12)

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from geometry.cad_body import cad_body, cad_skin
+from geometry.mesh import TooFineError
 from geometry.meshing import mesh_shape
 from geometry.parts import LeafPack, PlateLink, TubeRod
 
-from .bars import PRESS_BAR
+from .bars import PRESS_BAR, RHS_120
 
 LINK = PlateLink(length=100.0, width=20.0, thickness=10.0, hole=10.0)
 PACK = LeafPack(
@@ -113,3 +114,16 @@ def test_the_size_is_that_of_the_skin(shape):
 def test_small_rounded_corners_take_few_triangles():
     """The bar's corners of 3 mm along 330 mm took three quarters of 22 600 triangles."""
     assert len(cad_skin(PRESS_BAR).triangles) < 8000
+
+
+def test_corners_along_a_slender_part_take_longer_facets_before_its_picture_is_refused(monkeypatch):
+    """An arm of 50 x 30 x 2.6 mm, 1900 mm long, was refused whatever model it was checked by."""
+    finest = len(cad_skin(RHS_120).triangles)
+    for module in ("geometry.cad_body", "geometry.sizing"):
+        monkeypatch.setattr(f"{module}.MOST_TRIANGLES", 12000)
+    drawn = cad_skin(RHS_120)
+    assert len(drawn.triangles) < 0.8 * finest
+    x, y = drawn.nodes[:, 0], drawn.nodes[:, 1]
+    assert (np.abs(np.hypot(x, y) - 15.0) < 1e-6).sum() >= 20  # the bore is as round as it was
+    with pytest.raises(TooFineError, match="faces would need about"):
+        cad_skin(RHS_120, 32)  # sections are cut from it

@@ -1,12 +1,15 @@
 """Three ways to judge a part's fatigue from a design file: Goodman, a finite life, FKM."""
 
+import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from checks.design.errors import DesignError
+from checks.ladder.levels import first_level
 from checks.ladder.solid import check_solid
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
+from checks.strength.part_strength import fatigue_use
 from checks.stress.solid_mesh_level import Models
 
 from ...small_machine import PLATE, machine, solved
@@ -114,3 +117,17 @@ def test_a_pull_and_a_push_in_two_cycles_of_a_duty_are_one_range(tmp_path, model
 def test_a_duty_that_cannot_be_judged_is_refused_at_the_door(tmp_path, overrides, key):
     with pytest.raises(DesignError, match=key):
         machine(tmp_path, PLATE, *overrides)
+
+
+def test_points_of_a_finite_life_are_judged_by_their_own_lives(tmp_path, models):
+    """Error bars set other points beside the worst one: for endless life it has 1.13 of it."""
+    design = machine(tmp_path, COARSE, 'duty.life="finite"', "duty.cycles.turn=1e4", HEAVY)
+    part = design.parts["rod"]
+    loaded = LoadedPart(design, part, loads_on(design, part, solved(design)))
+    use, level = fatigue_use(loaded), first_level(loaded, models)
+    every = np.arange(len(level.history.points))
+    worst, some = np.array([use.point(level)]), np.argsort(-use.bound(level, every))[:40]
+    assert_allclose(use.at(level, worst), use.value(level), rtol=1e-9)
+    assert use.at(level, some).max() <= use.value(level) * (1 + 1e-9)
+    assert (use.bound(level, some) >= use.at(level, some)).all()
+    assert level.judged_duty.utilisation_at(worst)[0] * use.limit > 1.1 * use.value(level)

@@ -12,6 +12,7 @@ from checks.strength.finite_life import (
     LifeTask,
     life_curve,
     lives_of,
+    most_used,
     raised_exactly,
     shorter_life,
     shortest_life,
@@ -239,3 +240,30 @@ def test_findleys_plane_raises_cycles_by_the_same_share_whatever_the_size_of_the
     (scaled,) = lives_of(verdict, task, at_all, factor)
     assert_allclose(scaled.raised, life.raised, rtol=1e-9)
     assert_allclose(scaled.safety * factor, life.safety, rtol=1e-6)
+
+
+@pytest.mark.parametrize("count", [2e3, 3e5, 1e8])
+def test_the_bound_of_a_push_that_comes_and_goes_is_its_life_and_a_tension(count):
+    """One cycle of -80 +- 80 MPa a run, whose path is there and back, on all of the curve."""
+    verdict, task = duty_of(
+        line(XX, *(-160 * np.sin(np.linspace(0, np.pi, 9)) ** 2)), counts=[count]
+    )
+    task = replace(task, begun=True)
+    (life,) = lives_of(verdict, task, np.array([0]))
+    tension = 160 / 3 / STEEL.ultimate_stress  # p + 2/3 of the von Mises stress, of a push
+    assert_allclose(most_used(verdict, task), 1 / life.safety + tension, rtol=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(12, 18))
+def test_no_point_is_used_more_than_its_bound(seed):
+    verdict, task = under_waves(seed)
+    used = [1 / life.safety for life in lives_of(verdict, task, np.arange(40))]
+    assert (most_used(verdict, task) >= used).all()
+
+
+def test_a_range_between_the_cycles_of_a_duty_is_in_the_bound():
+    """A pull and a push, each still for itself: only between them is a range."""
+    pull, push = line(XX, 200, 200), line(XX, -200, -200)
+    verdict, task = duty_of(pull, push, counts=[1e5, 1e5])
+    (life,) = lives_of(verdict, task, np.array([0]))
+    assert most_used(verdict, task)[0] >= 1 / life.safety > 0.9
