@@ -24,7 +24,7 @@ import numpy as np
 from geometry import INSTALL
 from reports.files import replacing
 from reports.pictures import run_worker
-from reports.plain_still import FACES, LIGHTING, LINES, MARK, sharp_edges
+from reports.pictures_worker import FACES, LIGHTING, LINES, MARK, sharp_edges
 from reports.window_scene import FIELDS, SIGNED, Scene, read_scene, write_scene
 
 _WORKER = (sys.executable, "-m", "reports.window")
