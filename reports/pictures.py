@@ -148,10 +148,14 @@ def _environment(window: bool) -> dict[str, str]:
     here = str(Path(__file__).resolve().parent.parent)
     paths = [here, *filter(None, [environment.get("PYTHONPATH")])]
     environment["PYTHONPATH"] = os.pathsep.join(paths)
-    linux = sys.platform.startswith("linux")
-    if linux and not window and not environment.get("DISPLAY"):
-        environment["VTK_DEFAULT_OPENGL_WINDOW"] = "vtkEGLRenderWindow"
-    return environment
+    return environment if window else environment | without_display()
+
+
+def without_display() -> dict[str, str]:
+    """Settings with which VTK draws where there is no display."""
+    if not sys.platform.startswith("linux") or os.environ.get("DISPLAY"):
+        return {}
+    return {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow"}
 
 
 def _too_long(timeout: float | None) -> Ended:
