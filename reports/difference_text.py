@@ -8,13 +8,11 @@ from math import inf, isinf
 from pathlib import Path
 from typing import Any
 
-from rich.cells import cell_len
-
 from checks.result.plain_data import plain_fields
 from checks.result.words import brief, number
 from reports.files import write_text
 from reports.templating import environment
-from reports.terminal import labelled, line_width, table_row
+from reports.terminal import labelled, line_width, table
 
 ROUND_OFF = 1e-9  # same versions and threads repeat to this; less is no difference
 VERDICTS, INPUTS, LOADS, STRESSES = "verdicts", "inputs", "loads", "stresses"
@@ -166,8 +164,6 @@ SHOWN = 12  # changes of a group in text, but verdicts; the page and JSON have a
 _VERDICTS_SHOWN = 100
 _MOST_DIGITS = 12
 _LISTED = 8  # of what only one side has
-_COLUMNS = (24, 44, 14, 14, 11)  # most columns of: of, what, before, after, change
-_LEAST_NOTE = 30
 
 
 def difference_text(
@@ -253,21 +249,8 @@ def _group(
         ]
         for change in shown
     ]
-    rows.insert(0, ["of", "what", "A", "B", "change", ""])
-    if not any(change.of for change in shown):
-        rows = [["", *row[1:]] for row in rows]
-    widths = [
-        min(most, max(cell_len(row[column]) for row in rows))
-        for column, most in enumerate(_COLUMNS)
-    ]
-    note = min(_LEAST_NOTE, max(cell_len(row[-1]) for row in rows))
-    for column, least in ((1, 18), (0, 12), (2, 10), (3, 10)):
-        lack = sum(widths) + len(widths) + 2 + note - width
-        widths[column] -= max(0, min(lack, widths[column] - least))
-    widths.append(max(8, width - sum(widths) - len(widths) - 2))
-    lines = labelled("", title, width)
-    for row in rows:
-        lines += table_row("  ", row, widths, {4})
+    heads = ["of", "what", "A", "B", "change", ""]
+    lines = [*labelled("", title, width), *table(heads, rows, {4}, width)]
     if len(shown) < len(changes):
         lines.append(f"  {len(changes) - len(shown)} more, in --html and --json")
     return lines

@@ -4,7 +4,6 @@ import atexit
 import json
 import os
 import shutil
-import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -23,6 +22,7 @@ from checks.result.verdict import PartResult, Surface
 from checks.result.words import clean
 from fem.threads import ONE_THREAD
 from geometry import INSTALL
+from geometry.progress import signal_name
 from reports.pictures_worker import AHEAD, ESTIMATE, PLAIN
 
 
@@ -177,12 +177,8 @@ def _ended(code: int, errors: bytes) -> Ended:
 
 def _ending(code: int) -> str:
     """Exit code in words; shells report a signal as 128 and its number."""
-    number = -code if code < 0 else code - 128
-    try:
-        name = signal.Signals(number).name
-    except ValueError:
-        return f"exit code {code}"
-    return f"exit code {code}, signal {name}"
+    name = signal_name(-code if code < 0 else code - 128)
+    return f"exit code {code}" + (f", signal {name}" if name.startswith("SIG") else "")
 
 
 VIEWS = ("whole", "peak")
