@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import ROUND_FLOOR, ROUND_HALF_EVEN
-from functools import cache
 from math import inf, isinf
 from pathlib import Path
 from typing import Any
@@ -11,7 +10,7 @@ from typing import Any
 from checks.result.plain_data import plain_fields
 from checks.result.words import brief, number
 from reports.files import write_text
-from reports.templating import environment
+from reports.templating import page_template
 from reports.terminal import labelled, line_width, table
 
 ROUND_OFF = 1e-9  # same versions and threads repeat to this; less is no difference
@@ -301,22 +300,15 @@ def _few(names: Sequence[str], everything: bool) -> str:
 
 def difference_html(difference: Difference) -> str:
     """Page as text. The same difference gives the same page."""
-    text: str = _template().render(
+    template = page_template("difference", change=change_text, amounts=values_text)
+    return template.render(
         difference=difference,
         sentence=summary_sentence(difference),
         groups=GROUPS,
         round_off=f"{ROUND_OFF:g}",
     )
-    return text
 
 
 def write_difference(difference: Difference, path: str | Path) -> None:
     """Write the page as a file, which is there whole or not at all."""
     write_text(path, difference_html(difference))
-
-
-@cache
-def _template() -> Any:
-    pages = environment()
-    pages.filters |= {"change": change_text, "amounts": values_text}
-    return pages.get_template("difference.html.j2")
