@@ -165,13 +165,10 @@ _MOST_DIGITS = 12
 _LISTED = 8  # of what only one side has
 
 
-def difference_text(
-    difference: Difference, width: int | None = None, everything: bool = False
-) -> str:
+def difference_text(difference: Difference, width: int | None = None) -> str:
     """Differences as plain lines of at most `width` columns.
 
-    width       None: the terminal's width (COLUMNS counts), and 100 when piped
-    everything  True: no group is shortened
+    width  None: the terminal's width (COLUMNS counts), and 100 when piped
     """
     width = line_width(width)
     lines = labelled("A", brief(difference.a, 300), width)
@@ -180,14 +177,14 @@ def difference_text(
         lines += labelled("NOTE", brief(note, 400), width)
     for label, names in (("ONLY IN A", difference.only_a), ("ONLY IN B", difference.only_b)):
         if names:
-            lines += labelled(label, _few(names, everything), width)
+            lines += labelled(label, _few(names), width)
     for design in difference.changed:
-        lines += ["", *_design(design, width, everything)]
+        lines += ["", *_design(design, width)]
     same = [design.name for design in difference.designs if design.same]
     if same:
         lines.append("")
         told = [design for design in difference.designs if design.same]
-        lines += labelled("SAME", _few(same, everything), width)
+        lines += labelled("SAME", _few(same), width)
         for design in told:
             for note in design.notes:
                 lines += labelled("NOTE", f"{brief(design.name, 40)}: {brief(note, 400)}", width)
@@ -211,7 +208,7 @@ def _designs(count: int) -> str:
     return f"{count} design{'' if count == 1 else 's'}"
 
 
-def _design(design: DesignDifference, width: int, everything: bool) -> list[str]:
+def _design(design: DesignDifference, width: int) -> list[str]:
     lines = labelled("", f"{brief(design.name, 80)}", width)
     for label, side in (("A", design.a), ("B", design.b)):
         told = f"{brief(side.path, 100)}: {brief(side.status, 12)} ({brief(side.made, 200)})"
@@ -221,23 +218,20 @@ def _design(design: DesignDifference, width: int, everything: bool) -> list[str]
     for group in GROUPS:
         changes = design.changes.get(group, ())
         if changes:
-            lines += _group(group, changes, design.compared.get(group, 0), width, everything)
+            lines += _group(group, changes, design.compared.get(group, 0), width)
     for label, names in (("ONLY IN A", design.only_a), ("ONLY IN B", design.only_b)):
-        for name in names if everything else names[:_LISTED]:
+        for name in names[:_LISTED]:
             lines += labelled(label, brief(name, 300), width)
-        if len(names) > _LISTED and not everything:
+        if len(names) > _LISTED:
             lines += labelled(label, f"{len(names) - _LISTED} more, in --html and --json", width)
     return lines
 
 
-def _group(
-    group: str, changes: Sequence[Change], compared: int, width: int, everything: bool
-) -> list[str]:
+def _group(group: str, changes: Sequence[Change], compared: int, width: int) -> list[str]:
     title = f"{group.upper()}: {len(changes)} of {compared} changed"
     if group != VERDICTS:
         title += ", the largest first"
-    most = _VERDICTS_SHOWN if group == VERDICTS else SHOWN
-    shown = list(changes) if everything else changes[:most]
+    shown = changes[: _VERDICTS_SHOWN if group == VERDICTS else SHOWN]
     rows = [
         [
             brief(change.of, 60),
@@ -292,8 +286,8 @@ def change_text(change: Change) -> str:
     return f"{'+' if percent >= 0 else ''}{number(percent, 3)} %"
 
 
-def _few(names: Sequence[str], everything: bool) -> str:
-    shown = names if everything else names[: 5 * _LISTED]
+def _few(names: Sequence[str]) -> str:
+    shown = names[: 5 * _LISTED]
     more = f", and {len(names) - len(shown)} more" if len(names) > len(shown) else ""
     return ", ".join(brief(name, 60) for name in shown) + more
 

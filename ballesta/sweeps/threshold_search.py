@@ -151,7 +151,6 @@ def until_pass(
     *,
     parts: Sequence[str] = (),
     effort: Effort = DEFAULT_EFFORT,
-    probes: int = PROBES,
     check: Callable[[tuple[str, ...], Effort], DesignResult] | None = None,
     say: Callable[[str], None] = lambda _: None,
 ) -> UntilResult:
@@ -199,7 +198,7 @@ def until_pass(
         say(f"{trial.value}: {trial.status or 'cannot be checked'}, {trial.words}")
         return trial.status
 
-    search = search_passing(status, values, probes=probes)
+    search = search_passing(status, values)
     if len(errors) == len(trials):
         raise errors[0]
     left_out = tuple(name for name in design.parts if parts and name not in parts)
