@@ -51,7 +51,6 @@ from checks.ladder.part_ladder import (
     Finished,
     Ladder,
     time_warnings,
-    told_of_part,
 )
 from checks.part.part_loads import Doubt, Runs, is_loaded, loads_on, shown_of
 from checks.result.verdict import Check, DesignResult, PartResult
@@ -59,6 +58,7 @@ from checks.result.ways import ways_out
 from checks.store.store import Store
 from checks.strength.load_doubts import only_at, with_doubts
 from checks.strength.part_strength import beyond_size_data
+from checks.stress.kept_models import told_of_part
 from checks.stress.solid_mesh_level import Models
 from fem.solvers import SolverError, chosen_solver
 from fem.threads import keep_freed_memory, one_thread, policy

@@ -14,7 +14,7 @@ from io import TextIOWrapper
 from math import inf
 from time import monotonic, process_time
 
-from geometry.progress import Child, Order
+from geometry.progress import Child, Order, signal_name
 
 STOPPED, GAVE_UP = 130, 3  # exit codes: of an interrupt as shells report it; of numerics
 _CHILD = "ballesta.__main__:run"  # its function
@@ -75,10 +75,10 @@ class _Run:
             self._progress.clear()
             if code >= 0:
                 return code
-            _say(f"the process was killed by signal {_signal(-code)}{_likely(-code)}")
+            _say(f"the process was killed by signal {signal_name(-code)}{_likely(-code)}")
             if not self._told():
                 return GAVE_UP
-            self._go_on(f"the process was killed by signal {_signal(-code)}", stop=True)
+            self._go_on(f"the process was killed by signal {signal_name(-code)}", stop=True)
             self._watched()
             return GAVE_UP
 
@@ -243,16 +243,9 @@ def _say(text: str) -> None:
     print(f"ballesta: {text}", file=sys.stderr, flush=True)
 
 
-def _signal(number: int) -> str:
-    try:
-        return signal.Signals(number).name
-    except ValueError:
-        return str(number)
-
-
 def _likely(number: int) -> str:
     """Likely cause of a signal from the system."""
-    if _signal(number) == "SIGKILL":
+    if signal_name(number) == "SIGKILL":
         return ": likely for want of memory; lower mesh.fineness or mesh.most_unknowns"
     return ": a library crashed on this input"
 

@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from multiprocessing.connection import Connection, Pipe
 from queue import SimpleQueue
+from signal import Signals
 from time import monotonic
 from typing import Any, cast
 
@@ -117,6 +118,15 @@ def serve(function: str, handle: int) -> None:
         pipe = Connection(handle)
     module, _, name = function.partition(":")
     getattr(import_module(module), name)(Parent(pipe))
+
+
+def signal_name(number: int) -> str:
+    """Name of a signal of the system; the number where it has none for it.
+
+    >>> signal_name(11), signal_name(0)
+    ('SIGSEGV', '0')
+    """
+    return next((one.name for one in Signals if one == number), str(number))
 
 
 def _started(command: list[str], handle: int) -> "subprocess.Popen[bytes]":

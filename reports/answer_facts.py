@@ -9,8 +9,6 @@ from itertools import groupby, product
 from math import isfinite
 from pathlib import Path
 
-from rich.cells import cell_len
-
 from checks.result.verdict import Check, DesignResult, PartResult, Status, Way, deciding_of
 from checks.result.ways import (
     LEAST,
@@ -37,7 +35,7 @@ from checks.result.words import (
 )
 from reports.gauge import shares
 from reports.loads_words import broken_of
-from reports.terminal import labelled, line_width, report_line, table_row, wrap
+from reports.terminal import labelled, line_width, report_line, table, wrap
 
 _MOST_LINES = 25
 _MOST_WARNINGS = 2
@@ -399,8 +397,6 @@ def _short(text: object) -> str:
 
 # The answer in about twenty lines: verdict, place, moment, why, each part's governing check.
 
-_NARROWEST = (8, 10, 10, 5, 6, 9)  # columns that each keeps
-_RIGHT = {2, 3, 4}
 _INDENT = 13
 
 
@@ -470,12 +466,5 @@ def _with_place(headline: Iterable[Fact]) -> Iterator[Fact]:
 
 
 def _table(answer: Answer, width: int) -> list[str]:
-    table = [row.cells for row in answer.rows]
-    widths = [max(cell_len(row[i]) for row in (*table, HEADINGS)) for i in range(len(HEADINGS))]
-    for column in (0, 1, 2, 4, 3, 5):
-        lack = sum(widths) + len(widths) + 2 - width
-        widths[column] -= max(0, min(lack, widths[column] - _NARROWEST[column]))
-    lines = table_row("  ", list(HEADINGS), widths, _RIGHT)
-    for row in answer.rows:
-        lines += table_row("> " if row.decides else "  ", list(row.cells), widths, _RIGHT)
-    return lines
+    decides = next((k for k, row in enumerate(answer.rows) if row.decides), None)
+    return table(HEADINGS, [row.cells for row in answer.rows], {2, 3, 4}, width, marked=decides)

@@ -3,18 +3,15 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import ROUND_FLOOR, ROUND_HALF_EVEN
-from functools import cache
 from math import inf, isinf
 from pathlib import Path
 from typing import Any
 
-from rich.cells import cell_len
-
 from checks.result.plain_data import plain_fields
 from checks.result.words import brief, number
 from reports.files import write_text
-from reports.templating import environment
-from reports.terminal import labelled, line_width, table_row
+from reports.templating import page_template
+from reports.terminal import labelled, line_width, table
 
 ROUND_OFF = 1e-9  # same versions and threads repeat to this; less is no difference
 VERDICTS, INPUTS, LOADS, STRESSES = "verdicts", "inputs", "loads", "stresses"
@@ -166,17 +163,12 @@ SHOWN = 12  # changes of a group in text, but verdicts; the page and JSON have a
 _VERDICTS_SHOWN = 100
 _MOST_DIGITS = 12
 _LISTED = 8  # of what only one side has
-_COLUMNS = (24, 44, 14, 14, 11)  # most columns of: of, what, before, after, change
-_LEAST_NOTE = 30
 
 
-def difference_text(
-    difference: Difference, width: int | None = None, everything: bool = False
-) -> str:
+def difference_text(difference: Difference, width: int | None = None) -> str:
     """Differences as plain lines of at most `width` columns.
 
-    width       None: the terminal's width (COLUMNS counts), and 100 when piped
-    everything  True: no group is shortened
+    width  None: the terminal's width (COLUMNS counts), and 100 when piped
     """
     width = line_width(width)
     lines = labelled("A", brief(difference.a, 300), width)
@@ -185,14 +177,14 @@ def difference_text(
         lines += labelled("NOTE", brief(note, 400), width)
     for label, names in (("ONLY IN A", difference.only_a), ("ONLY IN B", difference.only_b)):
         if names:
-            lines += labelled(label, _few(names, everything), width)
+            lines += labelled(label, _few(names), width)
     for design in difference.changed:
-        lines += ["", *_design(design, width, everything)]
+        lines += ["", *_design(design, width)]
     same = [design.name for design in difference.designs if design.same]
     if same:
         lines.append("")
         told = [design for design in difference.designs if design.same]
-        lines += labelled("SAME", _few(same, everything), width)
+        lines += labelled("SAME", _few(same), width)
         for design in told:
             for note in design.notes:
                 lines += labelled("NOTE", f"{brief(design.name, 40)}: {brief(note, 400)}", width)
@@ -216,7 +208,7 @@ def _designs(count: int) -> str:
     return f"{count} design{'' if count == 1 else 's'}"
 
 
-def _design(design: DesignDifference, width: int, everything: bool) -> list[str]:
+def _design(design: DesignDifference, width: int) -> list[str]:
     lines = labelled("", f"{brief(design.name, 80)}", width)
     for label, side in (("A", design.a), ("B", design.b)):
         told = f"{brief(side.path, 100)}: {brief(side.status, 12)} ({brief(side.made, 200)})"
@@ -226,23 +218,20 @@ def _design(design: DesignDifference, width: int, everything: bool) -> list[str]
     for group in GROUPS:
         changes = design.changes.get(group, ())
         if changes:
-            lines += _group(group, changes, design.compared.get(group, 0), width, everything)
+            lines += _group(group, changes, design.compared.get(group, 0), width)
     for label, names in (("ONLY IN A", design.only_a), ("ONLY IN B", design.only_b)):
-        for name in names if everything else names[:_LISTED]:
+        for name in names[:_LISTED]:
             lines += labelled(label, brief(name, 300), width)
-        if len(names) > _LISTED and not everything:
+        if len(names) > _LISTED:
             lines += labelled(label, f"{len(names) - _LISTED} more, in --html and --json", width)
     return lines
 
 
-def _group(
-    group: str, changes: Sequence[Change], compared: int, width: int, everything: bool
-) -> list[str]:
+def _group(group: str, changes: Sequence[Change], compared: int, width: int) -> list[str]:
     title = f"{group.upper()}: {len(changes)} of {compared} changed"
     if group != VERDICTS:
         title += ", the largest first"
-    most = _VERDICTS_SHOWN if group == VERDICTS else SHOWN
-    shown = list(changes) if everything else changes[:most]
+    shown = changes[: _VERDICTS_SHOWN if group == VERDICTS else SHOWN]
     rows = [
         [
             brief(change.of, 60),
@@ -253,21 +242,8 @@ def _group(
         ]
         for change in shown
     ]
-    rows.insert(0, ["of", "what", "A", "B", "change", ""])
-    if not any(change.of for change in shown):
-        rows = [["", *row[1:]] for row in rows]
-    widths = [
-        min(most, max(cell_len(row[column]) for row in rows))
-        for column, most in enumerate(_COLUMNS)
-    ]
-    note = min(_LEAST_NOTE, max(cell_len(row[-1]) for row in rows))
-    for column, least in ((1, 18), (0, 12), (2, 10), (3, 10)):
-        lack = sum(widths) + len(widths) + 2 + note - width
-        widths[column] -= max(0, min(lack, widths[column] - least))
-    widths.append(max(8, width - sum(widths) - len(widths) - 2))
-    lines = labelled("", title, width)
-    for row in rows:
-        lines += table_row("  ", row, widths, {4})
+    heads = ["of", "what", "A", "B", "change", ""]
+    lines = [*labelled("", title, width), *table(heads, rows, {4}, width)]
     if len(shown) < len(changes):
         lines.append(f"  {len(changes) - len(shown)} more, in --html and --json")
     return lines
@@ -310,30 +286,23 @@ def change_text(change: Change) -> str:
     return f"{'+' if percent >= 0 else ''}{number(percent, 3)} %"
 
 
-def _few(names: Sequence[str], everything: bool) -> str:
-    shown = names if everything else names[: 5 * _LISTED]
+def _few(names: Sequence[str]) -> str:
+    shown = names[: 5 * _LISTED]
     more = f", and {len(names) - len(shown)} more" if len(names) > len(shown) else ""
     return ", ".join(brief(name, 60) for name in shown) + more
 
 
 def difference_html(difference: Difference) -> str:
     """Page as text. The same difference gives the same page."""
-    text: str = _template().render(
+    template = page_template("difference", change=change_text, amounts=values_text)
+    return template.render(
         difference=difference,
         sentence=summary_sentence(difference),
         groups=GROUPS,
         round_off=f"{ROUND_OFF:g}",
     )
-    return text
 
 
 def write_difference(difference: Difference, path: str | Path) -> None:
     """Write the page as a file, which is there whole or not at all."""
     write_text(path, difference_html(difference))
-
-
-@cache
-def _template() -> Any:
-    pages = environment()
-    pages.filters |= {"change": change_text, "amounts": values_text}
-    return pages.get_template("difference.html.j2")

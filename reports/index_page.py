@@ -30,7 +30,7 @@ from checks.result.verdict import Check
 from checks.result.words import clean, need_text, safety_text, utilisation_text
 from geometry.mesh import FloatArray
 from reports.gauge import gauge
-from reports.templating import environment, json_markup, script_hash
+from reports.templating import json_markup, page_template, script_hash
 
 FEWEST = 64  # samples: scatter of an index is some sqrt(2 M) / n, 0.06 there
 _WAVES = 8
@@ -150,7 +150,7 @@ def index_html(
     counts = Counter(design.status for design in designs)
     columns = [] if left_out else columns_of(varied)
     shares = {} if left_out else _shares(designs, varied)
-    text: str = _template().render(
+    return page_template("index").render(
         title=title,
         designs=designs,
         counts=[(status, counts[status]) for status in ORDER if counts[status]],
@@ -171,7 +171,6 @@ def index_html(
         script=Markup(script),
         script_hash=Markup(script_hash(script)),
     )
-    return text
 
 
 def columns_of(varied: Mapping[str, Values]) -> list[str]:
@@ -301,8 +300,3 @@ def _script() -> str:
     return "".join(
         folder.joinpath(f"{n}.js").read_text(encoding="utf-8") for n in ("gauge", "index")
     )
-
-
-@cache
-def _template() -> Any:
-    return environment().get_template("index.html.j2")

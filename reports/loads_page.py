@@ -1,7 +1,6 @@
 """The loads as one HTML page that stands alone: moving pictures, charts, gates and extremes."""
 
 from collections.abc import Mapping, Sequence
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +23,7 @@ from reports.loads_words import (
     header_sentences,
 )
 from reports.mechanism_panel import arrow_scale, mechanism_data, mechanism_svg
-from reports.templating import environment, joined, json_markup, script_hash
+from reports.templating import joined, json_markup, page_template, script_hash
 
 
 def write_loads_page(result: LoadsResult, path: str | Path) -> None:
@@ -34,8 +33,8 @@ def write_loads_page(result: LoadsResult, path: str | Path) -> None:
 
 def loads_html(result: LoadsResult) -> str:
     """Page as text. The same result gives the same page."""
-    script = _script()
-    text: str = _template().render(
+    script = joined("scripts/arrows.js", "templates/loads.js")
+    return page_template("loads", extremes=extremes_cells).render(
         result=result,
         said=header_sentences(result),
         broken=broken_by_kind(result.gates),
@@ -47,7 +46,6 @@ def loads_html(result: LoadsResult) -> str:
         script=Markup(script),
         script_hash=Markup(script_hash(script)),
     )
-    return text
 
 
 def _cycle(index: int, cycle: ShownCycle) -> dict[str, Any]:
@@ -181,15 +179,3 @@ def extremes_cells(extremes: Extremes, largest: float) -> list[str]:
         number(extremes.mean * factor, 4),
         unit,
     ]
-
-
-@cache
-def _script() -> str:
-    return joined("scripts/arrows.js", "templates/loads.js")
-
-
-@cache
-def _template() -> Any:
-    found = environment()
-    found.filters["extremes"] = extremes_cells
-    return found.get_template("loads.html.j2")

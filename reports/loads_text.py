@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from rich.cells import cell_len
-
 from checks.result.verdict import Gate
 from checks.result.words import brief, clean, gate_word, number, place_text, quantity_unit
 from reports.loads_figures import Extremes
@@ -17,7 +15,7 @@ from reports.loads_words import (
     event_sentence,
     header_sentences,
 )
-from reports.terminal import labelled, line_width, table_row
+from reports.terminal import labelled, line_width, table
 
 _LONGEST_NAME = 18
 _MOST_PHASES = 12  # more are turns of a start or a stop
@@ -80,7 +78,7 @@ def _cycle(cycle: ShownCycle, width: int) -> list[str]:
         phases[3:-3] = [[f"{left} more", "", "", "", "", "between these, turn by turn"]]
     unit = f"[{cycle.unit}]"
     heads = ["phase", f"from {unit}", f"to {unit}", "time [s]", "solves", "given"]
-    lines += table(heads, phases, {1, 2, 3}, width)
+    lines += table(heads, phases, {1, 2, 3}, width, between="  ")
     several = len(cycle.phases) > 1
     rows = []
     for joint in cycle.joints:
@@ -91,7 +89,7 @@ def _cycle(cycle: ShownCycle, width: int) -> list[str]:
             rows.append([*first, extremes.quantity, *cells])
             first = ["", "", "", ""]
     headings = ["joint", "kind", "on", "by", "", "unit", "min", at, "max", at]
-    lines += ["", *table(headings, rows, {6, 7, 8, 9}, width)]
+    lines += ["", *table(headings, rows, {6, 7, 8, 9}, width, between="  ")]
     rows = [
         [
             brief(effort.quantity, _LONGEST_NAME),
@@ -102,7 +100,7 @@ def _cycle(cycle: ShownCycle, width: int) -> list[str]:
         for effort in cycle.efforts
     ]
     headings = ["effort", "", "unit", "min", at, "max", at, "mean over time"]
-    lines += ["", *table(headings, rows, {3, 4, 5, 6, 7}, width)]
+    lines += ["", *table(headings, rows, {3, 4, 5, 6, 7}, width, between="  ")]
     if cycle.drives or cycle.contacts:
         lines.append("")
     for drive in cycle.drives:
@@ -136,7 +134,7 @@ def _run(run: ShownRun, width: int) -> list[str]:
             rows.append([*first, extremes.quantity, *cells])
             first = ["", ""]
     headings = ["on", "at", "", "unit", "min", at, "max", at]
-    return [*lines, *table(headings, rows, {4, 5, 6, 7}, width)]
+    return [*lines, *table(headings, rows, {4, 5, 6, 7}, width, between="  ")]
 
 
 def _extremes(extremes: Extremes, several: bool, largest: float) -> list[str]:
@@ -157,29 +155,8 @@ def _gates(gates: Sequence[Gate], width: int) -> list[str]:
         [gate_word(gate), brief(gate.name, 60), number(gate.value), number(gate.limit)]
         for gate in gates
     ]
-    lines = table(["", "validity check", "value", "limit"], rows, {2, 3}, width)
+    lines = table(["", "validity check", "value", "limit"], rows, {2, 3}, width, between="  ")
     for broken in broken_by_kind(gates):
         word = "BROKEN" if broken.binding else "DOES NOT HOLD"
         lines += labelled(word, f"{brief(broken.sentence, 300)}. {broken.told}", width)
-    return lines
-
-
-def table(
-    headings: Sequence[str], rows: Sequence[Sequence[str]], right: set[int], width: int
-) -> list[str]:
-    """Aligned columns of at most `width` together; `right` are set to the right.
-
-    Where they are too wide, the widest columns wrap.
-    """
-    columns = range(len(headings))
-    widths = [max(cell_len(row[i]) for row in (headings, *rows)) for i in columns]
-    room = width - 2 - 2 * (len(widths) - 1)
-    while sum(widths) > room:
-        widest = max(columns, key=lambda i: widths[i])
-        if widths[widest] <= 8:
-            break
-        widths[widest] -= 1
-    lines = []
-    for row in (headings, *rows):
-        lines += table_row("  ", row, widths, right, between="  ")
     return lines

@@ -6,7 +6,6 @@ that decides the verdict, with the forces there.
 """
 
 from collections.abc import Iterator, Sequence
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -20,7 +19,7 @@ from loads import Angle, PointCoordinate
 from reports.loads_summary import ShownCycle
 from reports.mechanism_layout import ARROW, TIP, Layout, Picture, both_ends, entry
 from reports.page_words import deciding_place
-from reports.templating import environment, packed_json, series
+from reports.templating import packed_json, page_template, series
 
 PREFIX = "mechanism"
 _PRINTED = 24  # rows of forces that paper has room for
@@ -44,7 +43,7 @@ def mechanism_panel(result: DesignResult) -> Markup | None:
         f"cycle {brief(cycle, 40)}, {_where(result, cycle, int(result.motion[cycle].index[row]))}"
     )
     tables = [_table(result, name) for name in names]
-    text: str = _template().render(
+    text = page_template("mechanism").render(
         svg=Markup(picture.svg(f"The mechanism in {where}, with the forces at its pins")),
         where=where,
         scale=force_text(layout.largest[names.index(cycle)]),
@@ -64,11 +63,6 @@ def _at_pins(motions: Sequence[PartsMotion]) -> Iterator[tuple[FloatArray, Float
         pins = [motion.pins[label] for motion in motions]
         places, forces = [pin.place for pin in pins], [pin.force for pin in pins]
         yield np.concatenate(places), np.concatenate(forces)
-
-
-@cache
-def _template() -> Any:
-    return environment().get_template("mechanism.html.j2")
 
 
 def _start(result: DesignResult, names: Sequence[str]) -> tuple[str, int]:

@@ -22,7 +22,7 @@ from checks.result.verdict import Check, DesignResult
 from checks.result.words import assumptions, brief, clean
 from reports.answer_facts import Answer, answer_of
 from reports.charts import design_charts
-from reports.derivation_text import Paragraph, bar_texts, legend, paragraphs, status_texts
+from reports.derivation_text import bar_texts, legend, paragraphs, status_texts
 from reports.files import write_text
 from reports.gauge import shares
 from reports.loads_words import broken_of
@@ -87,7 +87,7 @@ def report_html(
 
     pictures  or what waits for them, which is asked when all else is ready
     """
-    from reports.live.section import live_section
+    from reports.live.section import live_section, style_text
     from reports.mechanism_panel import mechanism_panel
     from reports.templating import report_hash, script_text
 
@@ -112,6 +112,7 @@ def report_html(
         linkage=linkage,
         cycles=cycle_views(result, charts),
         live=live,
+        live_style=style_text(),
         what_if=what_if(result),
         shares=shares(result.deciding) if result.checks else [],
         decides=f"{result.deciding.part} {result.deciding.kind}" if result.checks else "",
@@ -326,51 +327,35 @@ def safety_scale(check: Check) -> SafetyScale | None:
 _SUBSCRIPT = re.compile(r"(?<![A-Za-z])([A-Za-zα-ωΑ-Ω]{1,2})_([A-Za-z0-9α-ω]+)")
 
 
-@dataclass(frozen=True)
-class DerivationView:
-    """All of a derivation as text, as the page shows it.
+def view_of(check: Check) -> dict[str, Any] | None:
+    """A check's derivation as text for the template; None for a check that has none.
 
     cases  (symbol, cycle, position, index, rows of what acts) of each position
     """
-
-    headline: str
-    cases: tuple[tuple[str, str, str, int, tuple[tuple[str, ...], ...]], ...]
-    paragraphs: tuple[Paragraph, ...]
-    legend: tuple[str, ...]
-    bars: tuple[str, ...]
-    compared: tuple[tuple[str, ...], ...]
-    unproved: str
-    notes: tuple[str, ...]
-    rule: str
-    ends: tuple[str, ...]
-
-
-def view_of(check: Check) -> DerivationView | None:
-    """A check's derivation as text; None for a check that has none."""
     derivation = check.derivation
     if derivation is None:
         return None
     *ends, rule = status_texts(check)
     unit = f" {check.unit}".rstrip()
-    return DerivationView(
-        f"{brief(check.quantity, 120)} = {number_text(check.value)}{unit} of "
+    return {
+        "headline": f"{brief(check.quantity, 120)} = {number_text(check.value)}{unit} of "
         f"{number_text(check.limit)}{unit}",
-        tuple(
+        "cases": [
             (shown_symbol(case.symbol), case.cycle, case.position, case.index, _acting(case))
             for case in derivation.cases
-        ),
-        tuple(paragraphs(derivation)),
-        tuple(legend(derivation)),
-        tuple(bar_texts(check)),
-        tuple(
+        ],
+        "paragraphs": paragraphs(derivation),
+        "legend": legend(derivation),
+        "bars": bar_texts(check),
+        "compared": [
             (one.quantity, number_text(one.hand), number_text(one.model), one.unit, one.formula)
             for one in derivation.compared
-        ),
-        derivation.unproved,
-        derivation.notes,
-        rule,
-        tuple(ends),
-    )
+        ],
+        "unproved": derivation.unproved,
+        "notes": derivation.notes,
+        "rule": rule,
+        "ends": ends,
+    }
 
 
 def _acting(case: LoadCase) -> tuple[tuple[str, ...], ...]:

@@ -4,7 +4,6 @@ import atexit
 import json
 import os
 import shutil
-import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -23,7 +22,8 @@ from checks.result.verdict import PartResult, Surface
 from checks.result.words import clean
 from fem.threads import ONE_THREAD
 from geometry import INSTALL
-from reports.plain_still import AHEAD, ESTIMATE, PLAIN
+from geometry.progress import signal_name
+from reports.pictures_worker import AHEAD, ESTIMATE, PLAIN
 
 
 @dataclass(frozen=True)
@@ -91,11 +91,9 @@ class StandingWorker:
 
     def hand(self, folder: Path) -> None:
         """Hand it a folder to draw; `answer` reports the outcome."""
-        self._tell(_line(folder))
-
-    def prepare(self) -> None:
-        """Have it load the modules that only some folders need."""
-        self._tell(b"\n")
+        if self._process is not None and self._process.stdin is not None:
+            with suppress(OSError):
+                self._process.stdin.write(_line(folder))
 
     def answer(self, folder: Path, timeout: float) -> Ended:
         """Wait until the folder is drawn, or the worker has ended, for at most `timeout` seconds.
@@ -128,11 +126,6 @@ class StandingWorker:
                         stream.close()
         self._said.close()
 
-    def _tell(self, line: bytes) -> None:
-        if self._process is not None and self._process.stdin is not None:
-            with suppress(OSError):
-                self._process.stdin.write(line)
-
     def _listen(self) -> None:
         assert self._process is not None
         assert self._process.stdout is not None
@@ -155,10 +148,14 @@ def _environment(window: bool) -> dict[str, str]:
     here = str(Path(__file__).resolve().parent.parent)
     paths = [here, *filter(None, [environment.get("PYTHONPATH")])]
     environment["PYTHONPATH"] = os.pathsep.join(paths)
-    linux = sys.platform.startswith("linux")
-    if linux and not window and not environment.get("DISPLAY"):
-        environment["VTK_DEFAULT_OPENGL_WINDOW"] = "vtkEGLRenderWindow"
-    return environment
+    return environment if window else environment | without_display()
+
+
+def without_display() -> dict[str, str]:
+    """Settings with which VTK draws where there is no display."""
+    if not sys.platform.startswith("linux") or os.environ.get("DISPLAY"):
+        return {}
+    return {"VTK_DEFAULT_OPENGL_WINDOW": "vtkEGLRenderWindow"}
 
 
 def _too_long(timeout: float | None) -> Ended:
@@ -180,12 +177,8 @@ def _ended(code: int, errors: bytes) -> Ended:
 
 def _ending(code: int) -> str:
     """Exit code in words; shells report a signal as 128 and its number."""
-    number = -code if code < 0 else code - 128
-    try:
-        name = signal.Signals(number).name
-    except ValueError:
-        return f"exit code {code}"
-    return f"exit code {code}, signal {name}"
+    name = signal_name(-code if code < 0 else code - 128)
+    return f"exit code {code}" + (f", signal {name}" if name.startswith("SIG") else "")
 
 
 VIEWS = ("whole", "peak")
@@ -207,16 +200,12 @@ class Pictures:
     reason: str = ""
 
 
-def prepare_drawing(worker: Sequence[str] = _WORKER, *, stress: bool = True) -> None:
+def prepare_drawing(worker: Sequence[str] = _WORKER) -> None:
     """Start the process that draws, so that it loads its libraries beside other work.
-
-    stress  True if stills of stress are likely, which need graphics libraries
 
     It draws for every design that this process checks, and ends with it.
     """
-    process = _standing(worker)
-    if stress:
-        process.prepare()
+    _standing(worker)
 
 
 _ahead: list[Path] = []  # removed by the process that draws, or at our end

@@ -4,7 +4,7 @@ import gzip
 import json
 import sys
 from base64 import b64encode
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import cache
 from hashlib import sha256
@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from jinja2 import BytecodeCache, Environment, FileSystemLoader, StrictUndefined
+from jinja2 import BytecodeCache, Environment, FileSystemLoader, StrictUndefined, Template
 from jinja2.bccache import Bucket
 from markupsafe import Markup
 
@@ -131,6 +131,14 @@ def environment() -> Environment:
         "value": value_text,
     }
     return result
+
+
+@cache
+def page_template(name: str, **filters: Callable[..., object]) -> Template:
+    """Template of a page, with filters of its own beside those of all pages."""
+    pages = environment()
+    pages.filters |= filters
+    return pages.get_template(f"{name}.html.j2")
 
 
 # Numbers as a page's script unpacks them: reports/live/data.js reads what is written here.

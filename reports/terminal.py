@@ -25,11 +25,9 @@ from checks.result.words import (
 )
 
 _HEADINGS = ("part", "check", "value ±num ±model", "limit", "safety (required)", "util.", "status")
-_BELOW = "where; method"  # in lines of its own below the row
-_INDENT = 6
-_RIGHT = {3, 5}
-# Least widths of columns, in the order in which they give way.
-_LEAST = ((1, 14), (0, 12), (2, 18), (1, 8), (0, 8), (4, 8), (2, 12), (0, 6), (1, 6))
+_BELOW = "where; method"
+_INDENT = 6  # columns of what stands below a row
+_NARROWEST = 8  # columns of a cell that wraps
 _LONGEST_TEXT = 2000  # of an assumption: ours have up to 500, files may say anything
 _LONGEST_NAME = 18
 _LONGEST_WHY = 90
@@ -99,20 +97,9 @@ def _row(check: Check, title: str) -> list[str]:
 def _table(result: DesignResult, width: int) -> list[str]:
     checks = result.checks
     rows = [_row(check, title) for check, title in zip(checks, check_titles(checks), strict=True)]
-    widths = [max(cell_len(row[i]) for row in (*rows, _HEADINGS)) for i in range(len(_HEADINGS))]
-    gaps = 1 + len(widths)
-    for column, least in _LEAST:  # names wrap first
-        lack = sum(widths) + gaps - width
-        widths[column] -= max(0, min(lack, widths[column] - least))
-    lines = table_row("  ", list(_HEADINGS), widths, _RIGHT) + _below(_BELOW, width)
-    for check, row in zip(checks, rows, strict=True):
-        lines += table_row("> " if check is result.deciding else "  ", row, widths, _RIGHT)
-        lines += _below(f"{brief(where(check), 300)}; {brief(check.method, 60)}", width)
-    return lines
-
-
-def _below(text: str, width: int) -> list[str]:
-    return [" " * _INDENT + line for line in wrap(text, width - _INDENT)]
+    below = [f"{brief(where(check), 300)}; {brief(check.method, 60)}" for check in checks]
+    deciding = next(k for k, check in enumerate(checks) if check is result.deciding)
+    return table(_HEADINGS, rows, {3, 5}, width, marked=deciding, below=[_BELOW, *below])
 
 
 def tried_sentence(rungs: Sequence[RungTried]) -> str:
@@ -130,20 +117,44 @@ def tried_sentence(rungs: Sequence[RungTried]) -> str:
     )
 
 
-def table_row(
-    mark: str, cells: Sequence[str], widths: Sequence[int], right: Set[int], between: str = " "
+def table(
+    headings: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    right: Set[int],
+    width: int,
+    *,
+    marked: int | None = None,
+    below: Sequence[str] = (),
+    between: str = " ",
 ) -> list[str]:
-    """Lines of a table's row: cells wrapped to their widths, those of `right` flush right."""
-    wrapped = [wrap(cell, width) for cell, width in zip(cells, widths, strict=True)]
+    """Lines of aligned columns of at most `width` together; `right` are set to the right.
+
+    marked  row with a > in front
+    below   texts in lines of their own below heading and rows
+
+    Where the columns are too wide, the widest wrap.
+    """
+    columns = range(len(headings))
+    widths = [max(cell_len(row[i]) for row in (headings, *rows)) for i in columns]
+    room = width - 2 - len(between) * (len(widths) - 1)
+    while sum(widths) > room and max(widths) > _NARROWEST:
+        widths[widths.index(max(widths))] -= 1
     lines = []
-    for level in range(max(len(cell) for cell in wrapped)):
-        parts = []
-        for column, (cell, width) in enumerate(zip(wrapped, widths, strict=True)):
-            text = cell[level] if level < len(cell) else ""
-            gap = " " * (width - cell_len(text))
-            parts.append(gap + text if column in right else text + gap)
-        lines.append((mark if level == 0 else "  ") + between.join(parts).rstrip())
+    for index, row in enumerate((headings, *rows)):
+        wrapped = [wrap(cell, width) for cell, width in zip(row, widths, strict=True)]
+        for level in range(max(map(len, wrapped))):
+            cells = (cell[level] if level < len(cell) else "" for cell in wrapped)
+            aligned = (_flush(cell, widths[i], i in right) for i, cell in enumerate(cells))
+            mark = "> " if marked == index - 1 and level == 0 else "  "
+            lines.append((mark + between.join(aligned)).rstrip())
+        if below:
+            lines += [" " * _INDENT + line for line in wrap(below[index], width - _INDENT)]
     return lines
+
+
+def _flush(text: str, width: int, right: bool) -> str:
+    gap = " " * (width - cell_len(text))
+    return gap + text if right else text + gap
 
 
 def labelled(label: str, text: str, width: int, *, indent: int = 9) -> list[str]:

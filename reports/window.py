@@ -1,40 +1,45 @@
-"""The interactive window of a checked design, and pictures of it, from a process of its own.
+"""The window of a checked design, by pyvista's own sliders: the stress of a part at a position.
 
-python -m reports.window WHAT is that process. WHAT is --probe (open a window and close it again),
---probe-picture (draw without one), or the FOLDER of a scene with the name of a part ("" for any)
-and, for pictures in place of a window, keys that are pressed and .png files that are written, one
-after the other. It ends with NO_WINDOW where there is a graphics library but nothing to open a
-window on.
-
-Where there is no display, or graphics libraries are missing, a message says so and gives the cure:
-neither can crash or hang the process that asked for the window.
+python -m reports.window is its trial (with --off-screen: of a picture), in a process of its own:
+VTK kills it where graphics libraries are missing. It ends with NO_WINDOW where these are there, but
+nothing to open a window on.
 """
 
 import os
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from io import BytesIO
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import gettempdir
 from typing import Any
 
 import numpy as np
 
+from checks.result.live_fields import FATIGUE, LiveFields, von_mises, with_required_safety
+from checks.result.verdict import DesignResult
+from checks.result.words import brief, number, place_text
 from geometry import INSTALL
-from reports.files import replacing
-from reports.pictures import run_worker
-from reports.plain_still import FACES, LIGHTING, LINES, MARK, sharp_edges
-from reports.window_scene import FIELDS, SIGNED, Scene, read_scene, write_scene
+from geometry.mesh import FloatArray
+from reports.files import write_whole
+from reports.pictures import run_worker, without_display
+from reports.pictures_worker import FACES, LIGHTING, LINES, MARK, sharp_edges
 
+FIELDS = {
+    "von Mises stress [MPa]": "mises",
+    "signed principal stress [MPa]": "principal",
+    "fatigue utilisation, required safety included": "utilisation",
+    "stress amplitude over the duty [MPa]": "amplitude",
+    "mean stress over the duty (tension) [MPa]": "mean",
+    "displacement [mm]": "displacement",
+}
+NO_WINDOW = 4  # exit code
+SIZE = (1280, 800)
+_SIGNED = ("principal", "mean")
+_SAMPLES = 25  # positions from which ends of colours are taken, beside the worst
 _WORKER = (sys.executable, "-m", "reports.window")
-_PROBING = 60.0  # s
-_DRAWING = 180.0
-_NO_DISPLAY = (
-    "there is no display to open a window on{said}: run it in a desktop session, over ssh with "
-    "ssh -X, or write a picture with --off-screen FILE.png; the report of ballesta check shows the "
-    "same fields in a browser"
-)
+_TRIAL = 60.0  # s
+_WINDOWLESS = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow", "vtkGenericOpenGLRenderWindow")
 
 
 @dataclass(frozen=True)
@@ -45,251 +50,233 @@ class Trouble:
     display: bool = False
 
 
-def probe_window(
-    *, off_screen: bool = False, worker: Sequence[str] = _WORKER, timeout: float = _PROBING
+def try_window(
+    *, off_screen: bool = False, worker: Sequence[str] = _WORKER, timeout: float = _TRIAL
 ) -> Trouble | None:
     """Try to open a window (or to draw without one) and tell what keeps it from it."""
-    if not off_screen and sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
-        return Trouble(_NO_DISPLAY.format(said=" (DISPLAY is not set)"), display=True)
-    with TemporaryDirectory(prefix="ballesta-") as name:
-        what = "--probe-picture" if off_screen else "--probe"
-        ended = run_worker([*worker, what], Path(name), timeout, window=not off_screen)
-    return _trouble(ended.code, ended.words)
+    display = os.environ.get("DISPLAY", "")
+    missing = not off_screen and sys.platform.startswith("linux") and not display
+    if not missing:
+        command = [*worker, "--off-screen"] if off_screen else worker
+        ended = run_worker(command, Path(gettempdir()), timeout, window=not off_screen)
+        if not ended.words:
+            return None
+        if ended.code != NO_WINDOW:
+            return Trouble(f"{ended.words}. Where GL libraries are missing: {INSTALL}")
+    said = f"DISPLAY is {display[:60] or 'not set'}"
+    return Trouble(
+        f"there is no display to open a window on ({said}): run it in a desktop session, over ssh "
+        "with ssh -X, or write a picture with --off-screen FILE.png; the report of ballesta check "
+        "shows the same fields in a browser",
+        display=True,
+    )
 
 
-def open_window(
-    scene: Scene, part: str | None = None, *, worker: Sequence[str] = _WORKER
-) -> Trouble | None:
-    """Show a scene in a window, from the named part on, until it is closed."""
-    with TemporaryDirectory(prefix="ballesta-") as name:
-        write_scene(scene, Path(name))
-        ended = run_worker([*worker, name, part or ""], Path(name), None, window=True)
-    return _trouble(ended.code, ended.words)
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Parts with their fields, and the positions of all cycles, one after the other.
 
-
-def window_picture(
-    scene: Scene,
-    file: Path,
-    part: str | None = None,
-    keys: Sequence[str] = (),
-    *,
-    worker: Sequence[str] = _WORKER,
-    timeout: float = _DRAWING,
-) -> Trouble | None:
-    """Write a picture of the window to a PNG file, after some keys were pressed in it.
-
-    Raises OSError where the file cannot be written.
+    places  (cycle, position in it, words)
+    worst   part -> number of the place with its largest stress; of a grey one as checks found it
+    first   part that is shown first
     """
-    with TemporaryDirectory(prefix="ballesta-") as name:
-        folder = Path(name)
-        write_scene(scene, folder)
-        drawn = folder / "window.png"
-        ended = run_worker([*worker, name, part or "", *keys, str(drawn)], folder, timeout)
-        if ended.words or not drawn.is_file():
-            return _trouble(ended.code, ended.words or "the worker ended well but drew nothing")
-        with replacing(file) as temporary:
-            temporary.write_bytes(drawn.read_bytes())
-    return None
+
+    title: str
+    parts: Mapping[str, LiveFields]
+    places: Sequence[tuple[str, int, str]]
+    worst: Mapping[str, int]
+    first: str
+
+    def values(self, part: str, field: str, place: int) -> FloatArray | None:
+        """The field at the part's nodes (n,), None where it is not known."""
+        live = self.parts[part]
+        if field in FATIGUE:
+            found = live.fatigue.get(field)
+            return None if found is None else found.astype(np.float64)
+        cycle, position, _ = self.places[place] if self.places else ("", 0, "")
+        if not live.n_fields or cycle not in live.coefficients:
+            return None
+        if field == "displacement":
+            moved = live.moved(cycle, position)
+            return None if moved is None else np.linalg.norm(moved, axis=1)
+        stress = live.at(cycle, position)
+        return von_mises(stress) if field == "mises" else signed_principal(stress)
+
+    def limits(self, part: str, field: str) -> tuple[float, float]:
+        """Ends of the colours: the same at all positions; 0 is among them."""
+        last = max(len(self.places) - 1, 0)
+        places = {*np.linspace(0, last, _SAMPLES).round().astype(int).tolist(), self.worst[part]}
+        found = [self.values(part, field, place) for place in places]
+        known = np.concatenate([np.zeros(1), *(each for each in found if each is not None)])
+        low, high = float(known.min()), float(known.max())
+        if field in _SIGNED:
+            low, high = -max(-low, high), max(-low, high)
+        return low, high if high > low else low + 1.0
+
+    def told(self, part: str, field: str, place: int) -> list[str]:
+        """Caption, in lines of words."""
+        live, values = self.parts[part], self.values(part, field, place)
+        lines = [f"{brief(self.title, 40)}: {brief(part, 40)}"]
+        if values is None:
+            why = live.missing.get(field, "nothing loads this part in this cycle")
+            return [*lines, f"not known: {brief(why, 160)}"]
+        lines.append(f"largest now: {number(float(values[np.abs(values).argmax()]), 4)}")
+        if live.n_fields and not live.decides:
+            lines.append("to look at: no error bar, decides no check")
+        return lines
 
 
-def _trouble(code: int | None, words: str) -> Trouble | None:
-    if not words:
-        return None
-    if code == NO_WINDOW:
-        said = os.environ.get("DISPLAY", "")
-        return Trouble(_NO_DISPLAY.format(said=f" (DISPLAY is {said[:60]})"), display=True)
-    return Trouble(f"{words}. Where GL libraries are missing: {INSTALL}")
+def scene_of(result: DesignResult) -> Scene:
+    """The scene of a result that was computed with its fields (check_design with live=True).
+
+    Raises ValueError for a part without them.
+    """
+    parts, worst = {}, {}
+    for part in result.parts:
+        if not isinstance(part.live, LiveFields):
+            raise ValueError(f"part {part.name!r} has no fields; it was not checked for them")
+        live = with_required_safety(part.live, part.required_safety("fatigue"))
+        missing = {field: advising(why) for field, why in live.missing.items()}
+        parts[part.name] = replace(live, missing=missing)
+        peaks = live.peaks or {
+            name: cycle["peaks"][part.name]
+            for name, cycle in result.cycles.items()
+            if part.name in (cycle.get("peaks") or {})
+        }
+        sizes = [
+            peaks.get(name, np.zeros(len(cycle["position"])))
+            for name, cycle in result.cycles.items()
+        ]
+        worst[part.name] = int(np.argmax(np.concatenate(sizes))) if sizes else 0
+    places = [
+        (name, k, f"{brief(name, 30)}: {brief(cycle['shown_name'], 20)} = {place_text(shown)} "
+         f"{brief(cycle['unit'], 10)}, {k + 1} of {len(cycle['position'])}")
+        for name, cycle in result.cycles.items()
+        for k, shown in enumerate(map(float, cycle["position"]))
+    ]  # fmt: skip
+    decides = result.deciding.part if result.checks else ""
+    first = decides if decides in parts else next(iter(parts))
+    return Scene(result.name, parts, places, worst, first)
 
 
-NO_WINDOW = 4  # exit code
-SIZE = (1280, 800)
-_BAR = " "  # title of the scalar bar: the quantity stands in the words
-_WINDOWLESS = ("vtkEGLRenderWindow", "vtkOSOpenGLRenderWindow", "vtkGenericOpenGLRenderWindow")
-HELP = "1-6 field   n part   c cycle   p worst position   d displaced   r whole picture   q close"
+def advising(words: str) -> str:
+    """Words that advise the option of `ballesta show` in place of the other command's."""
+    return words.replace("ballesta check --fields", "ballesta show --fields")
+
+
+def signed_principal(stress: FloatArray) -> FloatArray:
+    """The principal stress of largest size, with its sign (n,), of stress (n, 6), MPa."""
+    values = np.linalg.eigvalsh(stress[:, [0, 3, 5, 3, 1, 4, 5, 4, 2]].reshape(-1, 3, 3))
+    low, high = values[:, 0], values[:, -1]
+    return np.asarray(np.where(high >= -low, high, low))
 
 
 class Window:
-    """A plotter that shows a view of a scene, and the keys and the slider that change the view."""
+    """A plotter that shows a part of a scene, with sliders for position, field and part."""
 
-    def __init__(self, scene: Scene, part: str | None, off_screen: bool) -> None:
+    def __init__(self, scene: Scene, part: str | None = None, *, off_screen: bool = False) -> None:
+        if off_screen:
+            os.environ.update(without_display())
         import pyvista as untyped
 
         self.pyvista: Any = untyped
-        self.scene, self.view = scene, scene.first_view(part)
+        self.scene, self.part, self.field = scene, part or scene.first, "mises"
+        self.place, self.limits = scene.worst[self.part], (0.0, 1.0)
         self.plotter: Any = self.pyvista.Plotter(
             off_screen=off_screen, window_size=list(SIZE), lighting=LIGHTING,
             title=f"ballesta: {scene.title[:80]}",
         )  # fmt: skip
         self.plotter.set_background("white")
-        self.plotter.add_text(HELP, position="lower_left", font_size=8, color="dimgrey")
-        self.slider: Any = None  # told of its first value while it is made
-        if scene.cycles:
-            self.slider = self.plotter.add_slider_widget(
-                lambda value: self.slider and self.go(round(value)), [0, max(1, self._last)],
-                value=0, fmt="%.0f", title=" ", title_height=0.02, pointa=(0.3, 0.1),
-                pointb=(0.7, 0.1), color="black", style="modern", interaction_event="always",
+        look = {"color": "black", "style": "modern"}
+        names, fields = list(scene.parts), list(FIELDS)
+        self.slider: Any = None  # while it is made, each slider asks for its own value
+        self.plotter.add_text_slider_widget(
+            lambda name: self.show(field=FIELDS[name]), fields, value=0,
+            pointa=(0.62, 0.9), pointb=(0.95, 0.9), **look,
+        )  # fmt: skip
+        if len(names) > 1:
+            self.plotter.add_text_slider_widget(
+                lambda name: self.show(part=name), names, value=names.index(self.part),
+                pointa=(0.03, 0.08), pointb=(0.23, 0.08), **look,
             )  # fmt: skip
-            # a bare number would read as an angle
-            self.slider.GetRepresentation().ShowSliderLabelOff()
-        self.keys: dict[str, Callable[[], None]] = {
-            **{
-                str(number): partial(self.change, field=name)
-                for number, name in enumerate(FIELDS, start=1)
-            },
-            "n": self.next_part,
-            "c": self.next_cycle,
-            "p": self.worst,
-            "d": lambda: self.change(deformed=not self.view.deformed),
-        }
-        self.update()
-        self.whole()
+        self.slider = self.plotter.add_slider_widget(
+            lambda value: self.show(place=round(value)), [0, max(1, len(scene.places) - 1)],
+            value=self.place, title=" ", title_height=0.02, pointa=(0.3, 0.08),
+            pointb=(0.7, 0.08), interaction_event="always", **look,
+        )  # fmt: skip
+        self.slider.GetRepresentation().ShowSliderLabelOff()
+        self.show(part=self.part)
 
-    @property
-    def _last(self) -> int:
-        cycles = self.scene.cycles
-        return cycles[self.view.cycle].n - 1 if cycles else 0
-
-    def change(self, **changes: Any) -> None:
-        """Show another view."""
-        self.view = replace(self.view, **changes)
-        self.update()
-
-    def go(self, position: int) -> None:
-        """Show a position of the cycle."""
-        position = min(max(position, 0), self._last)
-        if position != self.view.position:
-            self.change(position=position)
-
-    def next_part(self) -> None:
-        """Show the next part."""
-        self.change(part=(self.view.part + 1) % len(self.scene.parts))
-        self.whole()
-
-    def next_cycle(self) -> None:
-        """Show the next cycle."""
-        if self.scene.cycles:
-            self.change(cycle=(self.view.cycle + 1) % len(self.scene.cycles), position=0)
-
-    def worst(self) -> None:
-        """Show the position of the largest stress."""
-        self.view = self.scene.at_peak(self.view)
-        self.update()
-
-    def whole(self) -> None:
-        """Move the camera so that the whole part is seen."""
-        self.plotter.camera_position = "iso"
-        self.plotter.reset_camera(bounds=self.plotter.actors["part"].bounds)
-        self.plotter.camera.zoom(0.85)  # room for words and slider
+    def show(self, part: str = "", field: str = "", place: int | None = None) -> None:
+        """Show another part, at its worst position and as a whole, another field or position."""
+        if self.slider is None:
+            return
+        self.part, self.field = part or self.part, field or self.field
+        if part:
+            place = self.scene.worst[part]
+        if place is not None:
+            self.place = min(place, max(len(self.scene.places) - 1, 0))
+        if part or field:
+            self.limits = self.scene.limits(self.part, self.field)
+        self._draw()
+        if part:
+            self.plotter.view_isometric(bounds=self.plotter.actors["part"].bounds)
+            self.plotter.camera.zoom(0.85)  # room for words and sliders
         self.plotter.render()
 
-    def update(self) -> None:
-        """Draw the view as it is now."""
-        scene, view = self.scene, self.view
-        values, nodes = scene.values(view), scene.shape(view)
-        triangles = scene.parts[view.part].live.triangles
-        surface = self.pyvista.PolyData.from_regular_faces(nodes, triangles)
-        if _BAR in self.plotter.scalar_bars:
-            self.plotter.remove_scalar_bar(_BAR, render=False)
+    def _draw(self) -> None:
+        live = self.scene.parts[self.part]
+        values = self.scene.values(self.part, self.field, self.place)
+        surface = self.pyvista.PolyData.from_regular_faces(live.nodes, live.triangles)
         quiet = {"reset_camera": False, "render": False}
+        self.plotter.remove_actor(["largest-points", "largest-labels", "edges"], render=False)
+        if self.plotter.scalar_bars:
+            self.plotter.remove_scalar_bar(render=False)
         self.plotter.add_mesh(
-            surface, name="part", scalars=values, color="lightgrey", clim=scene.limits(view),
-            cmap="coolwarm" if view.field in SIGNED else "viridis", **FACES, **quiet,
+            surface, name="part", scalars=values, color="lightgrey", clim=self.limits,
+            cmap="coolwarm" if self.field in _SIGNED else "viridis", **FACES, **quiet,
             show_scalar_bar=values is not None, scalar_bar_args={
-                "title": _BAR, "color": "black", "vertical": True, "fmt": "%.3g", "n_labels": 6,
-                "position_x": 0.92, "position_y": 0.2, "height": 0.6, "width": 0.05,
-                "label_font_size": 15, "render": False,
+                "title": " ", "color": "black", "vertical": True, "fmt": "%.3g", "n_labels": 6,
+                "position_x": 0.92, "position_y": 0.2, "height": 0.6, "render": False,
             },
         )  # fmt: skip
         edges = sharp_edges(surface)
         if edges.n_points:
             self.plotter.add_mesh(edges, name="edges", **LINES, **quiet)
-        else:
-            self.plotter.remove_actor("edges", render=False)
-        if values is None:
-            self.plotter.remove_actor(["largest-points", "largest-labels"], render=False)
-        else:  # a dot that is seen through the part
+        if values is not None:  # a dot that is seen through the part
             self.plotter.add_point_labels(
-                nodes[[np.abs(values).argmax()]], ["largest"], name="largest", point_color=MARK,
-                point_size=16, render_points_as_spheres=True, always_visible=True, font_size=13,
-                shape_color="white", shape_opacity=0.8, text_color="black", **quiet,
+                live.nodes[[np.abs(values).argmax()]], ["largest"], name="largest", font_size=13,
+                point_color=MARK, point_size=16, render_points_as_spheres=True,
+                always_visible=True, shape_color="white", shape_opacity=0.8, **quiet,
             )  # fmt: skip
-        self.plotter.add_text(
-            "\n".join(scene.told(view)), position="upper_left", font_size=11, color="black",
-            name="words", render=False,
-        )  # fmt: skip
-        if self.slider is not None:
-            told = self.slider.GetRepresentation()
-            told.SetMaximumValue(max(1, self._last))
-            told.SetValue(view.position)
-            told.SetTitleText(scene.place(view))
-        self.plotter.render()
-
-    def press(self, key: str) -> None:
-        """Do what a key does; one that has no meaning does nothing."""
-        self.keys.get(key, lambda: None)()
-
-    def show(self) -> None:
-        """Open the window until it is closed."""
-        for key, action in self.keys.items():
-            self.plotter.add_key_event(key, action)
-        interactor = self.plotter.iren
-        self.plotter.show(interactive=False, auto_close=False)
-        if windowless(self.plotter):
-            raise SystemExit(NO_WINDOW)
-        # VTK's own meaning of letters (p picks, 3 is stereo) must not come on top of these keys;
-        # an observer on the style takes the place of its default
-        style = interactor.interactor.GetInteractorStyle()
-        style.AddObserver("CharEvent", lambda *_: self._typed())
-        interactor.start()
-        self.plotter.close()
-
-    def _typed(self) -> None:
-        interactor = self.plotter.iren.interactor
-        if interactor.GetKeySym() in ("q", "e", "Escape"):
-            interactor.TerminateApp()
-        elif interactor.GetKeySym() == "r":
-            self.whole()
+        words = "\n".join(self.scene.told(self.part, self.field, self.place))
+        self.plotter.add_text(words, font_size=11, color="black", name="words", render=False)
+        slider = self.slider.GetRepresentation()
+        slider.SetValue(self.place)
+        slider.SetTitleText(self.scene.places[self.place][2] if self.scene.places else " ")
 
 
-def windowless(plotter: Any) -> bool:
-    """Return True if the render window that was opened is off-screen."""
-    return plotter.render_window.GetClassName() in _WINDOWLESS
+def write_picture(scene: Scene, file: Path, part: str | None = None) -> None:
+    """Write the window as it opens to a PNG file; raises OSError where that cannot be written."""
+    plotter, picture = Window(scene, part, off_screen=True).plotter, BytesIO()
+    plotter.screenshot(picture)
+    plotter.close()
+    write_whole(file, picture.getvalue())
 
 
-def probe(off_screen: bool) -> None:
-    """Open a window and close it; ends the process with NO_WINDOW where that is impossible.
-
-    off_screen  draw without one instead
-    """
+def main(off_screen: bool) -> None:
+    """Open a window for trial and close it; ends with NO_WINDOW where that is impossible."""
     import pyvista as untyped
 
     pyvista: Any = untyped
     plotter = pyvista.Plotter(off_screen=off_screen, window_size=[64, 64])
     plotter.add_mesh(pyvista.Sphere(theta_resolution=6, phi_resolution=6))
     plotter.show(interactive=False, auto_close=False)
-    missing = not off_screen and windowless(plotter)
+    missing = not off_screen and plotter.render_window.GetClassName() in _WINDOWLESS
     plotter.close()
     if missing:
         raise SystemExit(NO_WINDOW)
 
 
-def main(arguments: list[str]) -> None:
-    """Probe, open the window, or write a picture of it."""
-    if arguments[0] in ("--probe", "--probe-picture"):
-        probe(off_screen=arguments[0] == "--probe-picture")
-        return
-    folder, part, *rest = arguments
-    window = Window(read_scene(Path(folder)), part or None, off_screen=bool(rest))
-    if not rest:
-        window.show()
-        return
-    for each in rest:
-        if each.endswith(".png"):
-            window.plotter.screenshot(each)
-        else:
-            window.press(each)
-    window.plotter.close()
-
-
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main("--off-screen" in sys.argv)

@@ -26,6 +26,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from ballesta.batches.job import CRASHED, OUT_OF_MEMORY
+from geometry.progress import signal_name
 
 
 def end_with_children(process: "subprocess.Popen[bytes]") -> None:
@@ -68,10 +69,7 @@ def ending(code: int) -> str:
     """
     if code >= 0:
         return f"ended with exit code {code}"
-    try:
-        return f"was killed by signal {signal.Signals(-code).name}"
-    except ValueError:
-        return f"was killed by signal {-code}"
+    return f"was killed by signal {signal_name(-code)}"
 
 
 def _kill_children(pid: int) -> None:

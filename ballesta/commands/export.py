@@ -12,15 +12,14 @@ from ballesta.design.read import read_design
 from ballesta.machine.runs import solved_runs
 from ballesta.run import Say, guarded, told_of_folder
 from checks.design.data import Design, Part
-from checks.design.errors import DesignError, NumericsError, no_such
+from checks.design.errors import DesignError, no_such
 from checks.part.part_loads import PartLoads, Runs, loads_on, shown_of
 from checks.strength.part_strength import elastic_of
-from checks.stress.kept_models import told_of_size
+from checks.stress.kept_models import told_of_part
 from checks.stress.solid_mesh_level import Level, Models, solve_level
 from fem.deck import write_deck
 from fem.recovery import von_mises
-from fem.solvers import SolverError
-from geometry.mesh import FloatArray, IntArray, MeshError, TooManyElementsError
+from geometry.mesh import FloatArray, IntArray
 from geometry.progress import step
 from reports.files import replacing, write_pvd, write_volume
 
@@ -191,19 +190,11 @@ def _prepared(
     if name not in design.parts:
         raise DesignError(design.file, "--part", no_such("part", name, design.parts))
     part = design.parts[name]
-    try:
-        models = Models()
+    models = Models()
+    with told_of_part(design, part):
         design, solved = solved_runs(design, models, say)
         part_loads = loads_on(design, part, solved)
         return design, solved, part_loads, _solve(part, part_loads, models, say)
-    except (loads.LinkageError, TooManyElementsError) as error:
-        raise told_of_size(design, part, error) from error
-    except (MeshError, SolverError) as error:
-        raise NumericsError(
-            str(error),
-            f"{design.file}: parts.{name}",
-            "check the part's dimensions, or change mesh.fineness",
-        ) from error
 
 
 def _among_cycles(design: Design, part_loads: PartLoads, cycle: str) -> None:

@@ -14,7 +14,7 @@ from checks.design.effort import effort_of
 from checks.design.errors import DesignError, listed
 from checks.result.verdict import Change, Status
 from checks.result.words import need_text, number, safety_text
-from reports.terminal import labelled, table_row
+from reports.terminal import labelled, table
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,8 @@ def _text(found: Improved, width: int = 100) -> str:
             else "nothing to save"
         )
         return "\n".join([*lines, f"{none} within a factor of {MOST:g}"]) + "\n"
-    rows = [["change", "safety", "with error bars", "required", "mass, kg", "of", "verdict"]]
+    heads = ["change", "safety", "with error bars", "required", "mass, kg", "of", "verdict"]
+    rows = []
     for change in found.changes:
         need = need_text(change.required)
         rows.append(
@@ -99,10 +100,7 @@ def _text(found: Improved, width: int = 100) -> str:
                 "estimate" if change.verified is None else str(change.verified),
             ]
         )
-    widths = [max(len(row[column]) for row in rows) for column in range(6)]
-    widths.append(max(8, width - 2 - sum(widths) - len(widths)))
-    for row in rows:
-        lines += table_row("  ", row, widths, {1, 2, 3, 4})
+    lines += table(heads, rows, {1, 2, 3, 4}, width)
     best = found.changes[0]
     note = f"ballesta check {result.file} --set '{best.override}'"
     if any(change.verified is None for change in found.changes):

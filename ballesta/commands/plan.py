@@ -7,11 +7,9 @@ from time import perf_counter
 
 import loads
 from ballesta.design.read import read_design
-from ballesta.machine.runs import run_machine
+from ballesta.machine.runs import solved_runs
 from checks.design.data import Design, Part
-from checks.design.errors import DesignError
 from checks.ladder.levels import first_mesh
-from checks.ladder.part_ladder import told_of_part
 from checks.part.loaded_part import FIRST, LoadedPart
 from checks.stress.kept_models import (
     SECOND_MESH,
@@ -19,6 +17,7 @@ from checks.stress.kept_models import (
     report_seconds,
     solid_seconds,
     solve_gibibytes,
+    told_of_part,
 )
 from checks.stress.solid_mesh_level import Models, half_of
 
@@ -45,32 +44,20 @@ def plan(design: Design) -> list[PlannedPart]:
     Raises DesignError and NumericsError as a check does.
     """
     models = Models()
-    try:
-        machine = run_machine(design, models)
-    except loads.LinkageError as error:
-        raise DesignError(design.file, "linkage", str(error)) from error
-    design, runs = machine.design, machine.all
+    design, runs = solved_runs(design, models, lambda _: None)
     planned = []
     for part in design.parts.values():
         with told_of_part(design, part):
             mesh = first_mesh(part, part.geometry, FIRST * part.fineness, models)
-            first = 3 * len(mesh.nodes)
-            loaded = LoadedPart.of(design, part, runs, models)
-            part_loads = loaded.loads
-            halved = half_of(part, part_loads) is not None
-            second = int(SECOND_MESH * first / (2 if halved else 1))
-            unknowns = (first, min(second, part.most_unknowns))
-            seconds = solid_seconds(*unknowns)
-            planned.append(
-                PlannedPart(
-                    part,
-                    unknowns,
-                    halved,
-                    {name: float(part_loads.resultant(name).max()) for name in part_loads.wrenches},
-                    seconds,
-                    max(map(solve_gibibytes, unknowns)),
-                )
-            )
+            part_loads = LoadedPart.of(design, part, runs, models).loads
+        first = 3 * len(mesh.nodes)
+        halved = half_of(part, part_loads) is not None
+        second = int(SECOND_MESH * first / (2 if halved else 1))
+        unknowns = (first, min(second, part.most_unknowns))
+        forces = {name: float(part_loads.resultant(name).max()) for name in part_loads.wrenches}
+        gibibytes = max(map(solve_gibibytes, unknowns))
+        seconds = solid_seconds(*unknowns)
+        planned.append(PlannedPart(part, unknowns, halved, forces, seconds, gibibytes))
     return planned
 
 

@@ -3,7 +3,7 @@
 import os
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
@@ -13,8 +13,7 @@ from ballesta.run import GAVE_UP, WRONG_INPUT, guarded, progress, store_at, told
 from checks.design.effort import FORMULA, effort_of
 from checks.design.errors import DesignError, no_such
 from checks.result.words import brief, verdict_sentence
-from reports.window import Trouble, open_window, probe_window, window_picture
-from reports.window_scene import Scene, scene_of
+from reports.window import Window, advising, scene_of, try_window, write_picture
 
 
 @dataclass(frozen=True)
@@ -48,9 +47,10 @@ def run_show(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
         if wanted.picture is not None and (problem := _why_no_picture(wanted.picture)):
             raise DesignError(wanted.picture, "--off-screen", problem)
         # before the check, which may take minutes
-        trouble = probe_window(off_screen=wanted.picture is not None)
+        trouble = try_window(off_screen=wanted.picture is not None)
         if trouble is not None:
-            return _told(trouble)
+            print(f"ballesta: show: {trouble.words}", file=sys.stderr)
+            return WRONG_INPUT if trouble.display else GAVE_UP
         if wanted.fidelity == FORMULA and not wanted.fields:
             print(
                 f"ballesta: show: --fidelity {wanted.fidelity} makes no mesh: stress is estimated "
@@ -64,24 +64,20 @@ def run_show(path: Path, wanted: Wanted, overrides: Sequence[str] = ()) -> int:
                 design, effort=effort, say=say, reading=reading, store=store, live=True
             )
         print(verdict_sentence(result), flush=True)
-        scene = _advising(scene_of(result))
-        for part in scene.parts:
-            if part.live.estimated:
-                print(f"{brief(part.name, 40)}: {part.live.notes[0]}", file=sys.stderr)
-            if not part.live.n_fields:
-                why = part.live.missing.get("mises", "nothing loads it")
-                print(
-                    f"{brief(part.name, 40)} is shown without stress: {brief(why, 200)}",
-                    file=sys.stderr,
-                )
+        scene = scene_of(result)
+        for name, live in scene.parts.items():
+            if live.estimated:
+                print(f"{brief(name, 40)}: {advising(live.notes[0])}", file=sys.stderr)
+            if not live.n_fields:
+                why = brief(live.missing.get("mises", "nothing loads it"), 200)
+                print(f"{brief(name, 40)} is shown without stress: {why}", file=sys.stderr)
         if wanted.picture is None:
-            trouble = open_window(scene, wanted.part)
-        else:
-            with told_of_folder(wanted.picture, "--off-screen"):
-                trouble = window_picture(scene, wanted.picture, wanted.part)
-            if trouble is None:
-                print(f"written: {wanted.picture}")
-        return 0 if trouble is None else _told(trouble)
+            Window(scene, wanted.part).plotter.show()
+            return 0
+        with told_of_folder(wanted.picture, "--off-screen"):
+            write_picture(scene, wanted.picture, wanted.part)
+        print(f"written: {wanted.picture}")
+        return 0
 
     return guarded(work)
 
@@ -114,23 +110,3 @@ def _why_no_picture(file: Path) -> str:
     if not os.access(folder, os.W_OK | os.X_OK):
         return f"cannot be written: no permission to write in {folder}"
     return ""
-
-
-def _advising(scene: Scene) -> Scene:
-    """The scene with words that advise this command and not the other one of that option."""
-
-    def own(words: str) -> str:
-        return words.replace("ballesta check --fields", "ballesta show --fields")
-
-    parts = []
-    for part in scene.parts:
-        live = part.live
-        missing = {name: own(why) for name, why in live.missing.items()}
-        notes = tuple(own(note) for note in live.notes)
-        parts.append(replace(part, live=replace(live, missing=missing, notes=notes)))
-    return replace(scene, parts=parts)
-
-
-def _told(trouble: Trouble) -> int:
-    print(f"ballesta: show: {trouble.words}", file=sys.stderr)
-    return WRONG_INPUT if trouble.display else GAVE_UP

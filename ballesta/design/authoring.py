@@ -10,8 +10,7 @@ from checks.design.errors import DesignError, no_such
 from checks.design.materials import Grade, Material, known_materials
 from checks.design.model import PART_MODELS, DesignFile
 from checks.result.words import number
-from reports.loads_text import table
-from reports.terminal import labelled
+from reports.terminal import labelled, table
 
 _WIDTH = 100
 _PER_METRE = 1000**0.5  # MPa mm^0.5 in a MPa m^0.5
@@ -143,7 +142,8 @@ def materials_text(name: str = "") -> str:
     known = known_materials()
     if not name:
         heads = ["material", "yield, MPa", "ultimate, MPa", "E, GPa", "up to"]
-        return "\n".join(table(heads, [_row(m) for m in known.values()], {1, 2, 3}, _WIDTH))
+        rows = [_row(material) for material in known.values()]
+        return "\n".join(table(heads, rows, {1, 2, 3}, _WIDTH, between="  "))
     if name not in known:
         raise DesignError(Path("materials"), name, no_such("material", name, known))
     lines = [labelled(label, text, _WIDTH, indent=11) for label, text in _values(known[name])]

@@ -13,12 +13,11 @@ from checks.design.data import Design, Pair, Part
 from checks.part.loaded_part import FIRST
 from checks.part.part_loads import interface_heights, part_placing
 from checks.strength.part_strength import elastic_of
-from checks.stress.kept_models import gave_up, told_of_size
+from checks.stress.kept_models import told_of_part
 from checks.stress.solid_mesh_level import Models
 from fem.sliding import stations
-from fem.solvers import SolverError
 from fem.unit_solutions import UnitSolutions, compliance
-from geometry.mesh import FloatArray, MeshError, TooManyElementsError
+from geometry.mesh import FloatArray
 
 Say = Callable[[str], None]
 
@@ -39,13 +38,9 @@ def compliances_of(
     for part in parts_that_give(design):
         assert part.body is not None
         say(f"{part.name}: solving how it gives way")
-        try:
+        with told_of_part(design, part):
             solutions = models.solutions(part.geometry, FIRST * part.fineness, elastic_of(part))
             found[part.body] = body_compliance(design, part, solutions)
-        except (TooManyElementsError, loads.LinkageError) as error:
-            raise told_of_size(design, part, error) from error
-        except (MeshError, SolverError) as error:
-            raise gave_up(design, part, error) from error
     return found
 
 

@@ -15,9 +15,9 @@ from checks.design.data import Cycle, Design, Part
 from checks.design.errors import DesignError, NumericsError
 from checks.part.part_loads import part_placing, shown_name, shown_position
 from checks.store.store import Store
-from checks.stress.kept_models import Models, gave_up, told_of_size
+from checks.stress.kept_models import Models, told_of_part
 from geometry.closed_form import closed_body
-from geometry.mesh import FloatArray, MeshError, TooManyElementsError
+from geometry.mesh import FloatArray
 from geometry.progress import expect
 from reports.loads_figures import EventFigures
 
@@ -37,12 +37,8 @@ def part_masses(
         if part.body is None:
             continue
         say(f"{part.name}: building")
-        try:
+        with told_of_part(design, part):
             body = models.body(part.geometry)
-        except TooManyElementsError as error:
-            raise told_of_size(design, part, error) from error
-        except MeshError as error:
-            raise gave_up(design, part, error) from error
         first, second = (body.interfaces[name].centre for name in part.geometry.interfaces[:2])
         built = float(np.linalg.norm((second - first)[:2]))
         asked = part.geometry.length  # as the linkage has it, which was compared as it was read

@@ -97,19 +97,17 @@ def improve(
     *,
     effort: Effort = DEFAULT_EFFORT,
     verify: bool = False,
-    check: Verify | None = None,
     say: Callable[[str], None] = lambda _: None,
 ) -> Improved:
     """Find the best single changes of a design.
 
     verify  whether each change that is shown is checked by the models of `effort`
-    check   the result of the design with further overrides; `ballesta.pipeline.check_file` without
 
     Raises DesignError and NumericsError as a check does.
     """
     path = Path(file)
     design = read_design(path, overrides)
-    checked = check or _checker(path, overrides, effort)
+    checked = _checker(path, overrides, effort)
     result = checked(())
     known = Estimates(design, result)
     search = _Search(known)

@@ -29,13 +29,13 @@ from checks.design.effort import FORMULA
 from checks.design.errors import DesignError, NumericsError
 from checks.ladder.climb import Climb, answered, climb_cheap, start_climb
 from checks.ladder.leaf_checks import LeafBand
-from checks.ladder.part_ladder import told_of_part
 from checks.ladder.result import rung_gates
 from checks.models.checked import BUCKLING
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads, loads_on
 from checks.result.verdict import Check, Gate, Status, deciding_of, status_of
 from checks.strength.part_strength import elastic_of
+from checks.stress.kept_models import told_of_part
 from checks.stress.solid_mesh_level import Models
 from checks.stress.stress_result import RungModel
 from fem.unit_solutions import Elastic

@@ -17,7 +17,7 @@ from checks.design.effort import AUTO, DEFAULT_EFFORT, SOLID, Effort
 from checks.design.errors import DesignError, listed, no_such
 from checks.result.verdict import Check, DesignResult, Gate, Status, deciding_of, status_of
 from checks.result.words import UNKNOWN_BAR, brief, need_text, number, safety_text
-from reports.terminal import labelled, table_row
+from reports.terminal import labelled, table
 
 T = TypeVar("T")
 PROBES = 5
@@ -151,7 +151,6 @@ def until_pass(
     *,
     parts: Sequence[str] = (),
     effort: Effort = DEFAULT_EFFORT,
-    probes: int = PROBES,
     check: Callable[[tuple[str, ...], Effort], DesignResult] | None = None,
     say: Callable[[str], None] = lambda _: None,
 ) -> UntilResult:
@@ -199,7 +198,7 @@ def until_pass(
         say(f"{trial.value}: {trial.status or 'cannot be checked'}, {trial.words}")
         return trial.status
 
-    search = search_passing(status, values, probes=probes)
+    search = search_passing(status, values)
     if len(errors) == len(trials):
         raise errors[0]
     left_out = tuple(name for name in design.parts if parts and name not in parts)
@@ -275,17 +274,18 @@ def until_text(result: UntilResult, width: int = 100) -> str:
     lines = labelled(
         "", f"until pass: {brief(result.sweep, 120)} ({brief(result.file, 60)})", width
     )
-    rows = [["value", "status", "mass, kg", "decided by"]]
-    for trial in result.trials:
-        mass = "" if trial.mass is None else number(trial.mass, 4)
-        rows.append(
-            [brief(trial.value, 24), str(trial.status or "–"), mass, brief(trial.words, 160)]
-        )
-    widths = [max(len(row[column]) for row in rows) for column in range(3)]
-    widths.append(width - 2 - sum(widths) - len(widths))
-    marks = ["  ", *("> " if trial is result.found else "  " for trial in result.trials)]
-    for mark, row in zip(marks, rows, strict=True):
-        lines += table_row(mark, row, widths, {0, 2})
+    rows = [
+        [
+            brief(trial.value, 24),
+            str(trial.status or "–"),
+            "" if trial.mass is None else number(trial.mass, 4),
+            brief(trial.words, 160),
+        ]
+        for trial in result.trials
+    ]
+    found = next((k for k, trial in enumerate(result.trials) if trial is result.found), None)
+    heads = ["value", "status", "mass, kg", "decided by"]
+    lines += table(heads, rows, {0, 2}, width, marked=found)
     return "\n".join([*lines, *labelled("", _sentence(result), width)]) + "\n"
 
 

@@ -1,19 +1,17 @@
 """All parts of a design, each by the cheapest models that settle its verdict."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf, isfinite
 from time import perf_counter
 
-import loads
 from checks import by_formula
 from checks.columns import cylinders
 from checks.columns.linkage_frame import LINKAGE
 from checks.columns.stability import ELASTIC
 from checks.derivations.buckling import elastic_share
 from checks.derivations.stresses import fatigue, rung_bars, static
-from checks.design.data import Design, Part
+from checks.design.data import Design
 from checks.design.effort import AUTO, FORMULA, SOLID, SWEPT
 from checks.design.effort import DEFAULT_EFFORT as DEFAULT_EFFORT
 from checks.design.effort import Effort as Effort
@@ -32,11 +30,10 @@ from checks.result.derivation import BARS, BarSymbols, Derivation, Given, Item, 
 from checks.result.live_fields import LiveFields
 from checks.result.verdict import Check, PartResult
 from checks.result.words import TOO_MANY
-from checks.stress.kept_models import check_seconds, gave_up, report_seconds, told_of_size
+from checks.stress.kept_models import check_seconds, report_seconds, told_of_part
 from checks.stress.solid_mesh_level import Models
 from checks.stress.stress_result import RungLevel
-from fem.solvers import SolverError
-from geometry.mesh import MeshError, TooManyElementsError
+from geometry.mesh import TooManyElementsError
 
 Say = Callable[[str], None]
 Finished = Callable[[PartResult, Sequence[str]], None]
@@ -252,17 +249,6 @@ def _with_formulas(climb: Climb, result: PartResult) -> PartResult:
         assumed=[*result.assumed, *by_formula.not_checked(climb.loaded)],
     )
     return with_mode_by_formula(climb, whole)
-
-
-@contextmanager
-def told_of_part(design: Design, part: Part) -> Iterator[None]:
-    """Turn what goes wrong with a part into an error that names it."""
-    try:
-        yield
-    except (loads.LinkageError, TooManyElementsError) as error:
-        raise told_of_size(design, part, error) from error
-    except (MeshError, SolverError) as error:
-        raise gave_up(design, part, error) from error
 
 
 # All kinds of checks, and derivations of those by models of stress, after these are made.

@@ -5,8 +5,9 @@ Nothing that solves is imported before it is needed.
 Errors of a mesher or a solver name the part and the size that they are about.
 """
 
-from collections.abc import Iterable, Set
+from collections.abc import Iterable, Iterator, Set
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager
 from functools import cache
 from math import inf
 from time import perf_counter
@@ -14,13 +15,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+import loads
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError
 from checks.store.store import Store
 from fem.threads import one_thread
 from geometry.cad_body import Skin, SolidBody, cad_body, cad_skin
 from geometry.closed_form import closed_body
-from geometry.mesh import Mesh, TooFineError, TooManyUnknownsError
+from geometry.mesh import Mesh, MeshError, TooFineError, TooManyElementsError, TooManyUnknownsError
 from geometry.meshing import mesh_shape
 from geometry.parts.pin import as_pin
 from geometry.progress import expect
@@ -305,3 +307,21 @@ def gave_up(design: Design, part: Part, error: Exception) -> NumericsError:
         f"{design.file}: parts.{part.name}",
         "check the part's dimensions, or change mesh.fineness",
     )
+
+
+@contextmanager
+def told_of_part(design: Design, part: Part) -> Iterator[None]:
+    """Turn what goes wrong with a part into an error that names it."""
+    try:
+        yield
+    except (loads.LinkageError, TooManyElementsError) as error:
+        raise told_of_size(design, part, error) from error
+    except _no_answer() as error:
+        raise gave_up(design, part, error) from error
+
+
+def _no_answer() -> tuple[type[Exception], ...]:
+    """Errors of a mesher and a solver; asked for once there is an error."""
+    from fem.solvers import SolverError
+
+    return MeshError, SolverError

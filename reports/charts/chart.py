@@ -23,6 +23,7 @@ _TRIES = 41  # places along a curve
 _ALONE = 24.0  # points: a place on a curve that no other comes nearer to is as good as any
 _OFFSETS = (0.75, -0.75, 1.5, -1.5, 2.6, -2.6)  # heights above and below the curve
 _BESIDE = (0.0, 0.6, -0.6, 1.2, -1.2)  # heights, to the right and left of a single point
+_STEP = 3.0  # points between those of a dense line
 _FAR, _OVER, _NAMED = 0.35, 3.0, 60.0  # cost of distance, of crossing a curve, of covering a name
 
 
@@ -267,7 +268,6 @@ class Room:
         prefer: float | None = None,
         pull: float = 3.0,
         own: Collection[int] = (),
-        most: float = _NAMED,
     ) -> tuple[float, float] | None:
         """The middle of a text beside a line (k, 2); None where it would cover another name.
 
@@ -292,7 +292,7 @@ class Room:
         cost += 0.02 * np.abs(across - wanted) + lonely[:, None]
         if prefer is not None:
             cost += pull * np.abs(np.arange(len(points)) / (_TRIES - 1) - prefer)[:, None]
-        if not cost.size or cost.min() >= most:
+        if not cost.size or cost.min() >= _NAMED:
             return None
         best = np.unravel_index(np.argmax(cost <= cost.min() + 1e-9), cost.shape)
         middle = (float(across[best]), float(height[best]))
@@ -337,13 +337,13 @@ def _nearest(points: FloatArray, lines: Sequence[FloatArray]) -> FloatArray:
     return np.asarray(np.hypot(between[..., 0], between[..., 1]).min(axis=1))
 
 
-def dense(line: FloatArray, step: float = 3.0) -> FloatArray:
+def dense(line: FloatArray) -> FloatArray:
     """Points (k, 2) of a polyline, none further than a step from the next."""
     if len(line) < 2:
         return line
     lengths = np.hypot(*np.diff(line, axis=0).T)
     total = float(lengths.sum())
-    return _along(line, max(2, int(total / step) + 1))
+    return _along(line, max(2, int(total / _STEP) + 1))
 
 
 def _along(line: FloatArray, n: int) -> FloatArray:
@@ -426,12 +426,16 @@ class Plane:
         return given
 
     def name(
-        self, text: str, points: npt.ArrayLike, colour_of: str, prefer: float | None = None,
-        pull: float = 3.0, **style: Any,
-    ) -> bool:  # fmt: skip
+        self,
+        text: str,
+        points: npt.ArrayLike,
+        colour_of: str,
+        prefer: float | None = None,
+        **style: Any,
+    ) -> bool:
         """Write a text beside a polyline (k, 2) or a point; whether there was room."""
         inside = cut(self.at(points), *self._size)
-        found = self.room.put(text, inside[0], LABEL, prefer, pull) if inside else None
+        found = self.room.put(text, inside[0], LABEL, prefer) if inside else None
         if found is None:
             return False
         self.write(text, found, color=colour_of, **style)

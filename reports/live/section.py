@@ -16,8 +16,8 @@ from checks.result.verdict import Check, DesignResult, PartResult, Surface, deci
 from checks.result.words import brief, clean, number, place_text
 from reports.live.encode import TOLERANCE, encode
 from reports.page_words import JUDGED_BY, STATIC, deciding_place, shown_of
-from reports.plain_still import colour_maps
-from reports.templating import environment, json_markup, packed_json, series
+from reports.pictures_worker import colour_maps
+from reports.templating import json_markup, packed_json, page_template, series
 
 FORMAT = "ballesta-live/1"
 SHARES = {"static": "allowed", "column": "column"}  # field -> limit that it is a share of
@@ -291,20 +291,12 @@ FIELDS = {
 _CURVE = 180  # points of the curve of the peak behind the slider
 
 
-@dataclass(frozen=True)
-class LiveSection:
-    """The live view: `body` for the page, `style` for its style sheet."""
-
-    body: Markup
-    style: str
-
-
 def live_section(
     result: DesignResult,
     mechanism: Markup | None = None,
     answer: Markup | None = None,
     below: Markup | None = None,
-) -> LiveSection:
+) -> Markup:
     """Live view of a result; the scripts that run it are those of the page.
 
     answer     stands beside the picture, on narrow screens above it
@@ -312,7 +304,7 @@ def live_section(
     mechanism  stands with the readings
     """
     payload = live_payload(result)
-    body = _template().render(
+    body = page_template("live").render(
         parts=[_part(k, part, result, payload) for k, part in enumerate(result.parts)],
         linked=bool(result.motion) and any(head["block"] for head in payload.header["parts"]),
         fields=FIELDS,
@@ -331,7 +323,7 @@ def live_section(
         blocks=[(name, Markup(text)) for name, text in payload.blocks],
         motion=Markup(motion_text(result)),
     )
-    return LiveSection(Markup(body), style_text())
+    return Markup(body)
 
 
 @cache
@@ -461,35 +453,14 @@ def _rounded(values: Sequence[float], digits: int) -> list[float]:
     return [float(f"{value:.{digits}g}") for value in values]
 
 
-@cache
-def _template() -> Any:
-    return environment().get_template("live.html.j2")
-
-
-@dataclass(frozen=True)
-class PeakRow:
-    """A part's peak stress at a position, as text; `worst` of the cycle."""
-
-    position: str
-    phase: str
-    value: str
-    worst: bool
-
-
-@dataclass(frozen=True)
-class PeakTable:
-    """Peaks of one part over one cycle; `kind` says what the numbers are, and where they stand."""
-
-    cycle: str
-    quantity: str
-    kind: str
-    rows: Sequence[PeakRow]
-
-
-def peak_tables(part: PartResult, head: Mapping[str, Any], result: DesignResult) -> list[PeakTable]:
-    """Peak stress at some positions of every cycle that loads the part, from the solver.
+def peak_tables(
+    part: PartResult, head: Mapping[str, Any], result: DesignResult
+) -> list[dict[str, Any]]:
+    """Peak stress at some positions of every cycle that loads the part, from the solver, as text.
 
     head  the part's entry in the header of the live view
+
+    `kind` says what the numbers are, and where they stand.
     """
     tables = []
     for index, (name, cycle) in enumerate(result.cycles.items()):
@@ -503,8 +474,17 @@ def peak_tables(part: PartResult, head: Mapping[str, Any], result: DesignResult)
             kind = "largest von Mises stress on the surface"
             if head["peak"] and head["peak"]["cycle"] == index:
                 kind += f"; the reported peak is at {brief(head['peak']['place'], 120)}"
-        rows = [_row(cycle, peaks, k) for k in rows_of(peaks)]
-        tables.append(PeakTable(brief(name, 60), shown_axis(cycle), kind, rows))
+        rows = [
+            {
+                "position": place_text(cycle["position"][k]),
+                "phase": brief(cycle["phase"][k], 40),
+                "value": number(peaks[k], 4),
+                "worst": k == int(np.argmax(peaks)),
+            }
+            for k in rows_of(peaks)
+        ]
+        quantity = shown_axis(cycle)
+        tables.append({"cycle": brief(name, 60), "quantity": quantity, "kind": kind, "rows": rows})
     return tables
 
 
@@ -518,12 +498,3 @@ def shown_axis(cycle: Mapping[str, Any]) -> str:
     """Name of the quantity shown along a cycle, with its unit."""
     unit = brief(cycle["unit"], 20)
     return f"{brief(cycle['shown_name'], 40)}{f' [{unit}]' if unit else ''}"
-
-
-def _row(cycle: Mapping[str, Any], peaks: Any, index: int) -> PeakRow:
-    return PeakRow(
-        position=place_text(cycle["position"][index]),
-        phase=brief(cycle["phase"][index], 40),
-        value=number(peaks[index], 4),
-        worst=index == int(np.argmax(peaks)),
-    )

@@ -173,6 +173,13 @@ def test_an_output_folder_that_cannot_be_made_is_a_line_and_exit_code_2(command,
     assert "cannot be written" in run.stderr
 
 
+def test_a_plan_names_the_part_that_is_too_fine(command, tmp_path):
+    found = command("plan", "designs/toggle_press.toml", "--set", "parts.bar_upper.wall=0.01mm",
+                    out=tmp_path)  # fmt: skip
+    assert found.code == 2
+    assert "designs/toggle_press.toml: parts.bar_upper: mesh.most_unknowns is" in found.stderr
+
+
 def test_the_template_is_a_design_that_can_be_planned(command, tmp_path):
     run = command("new", "toggle-press", "--file", str(tmp_path / "mine.toml"), out=tmp_path)
     assert run.code == 0

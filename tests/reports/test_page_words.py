@@ -169,7 +169,7 @@ def test_all_views_begin_where_the_deciding_check_is_decided():
     cycle = list(result.cycles).index("press")
     assert deciding_place(result) == (cycle, index, result.parts.index(
         next(each for each in result.parts if each.name == part.name)))  # fmt: skip
-    assert f'"start":[{cycle},{index}]' in live_section(result).body
+    assert f'"start":[{cycle},{index}]' in live_section(result)
     page = report_html(result)
     position = result.cycles["press"]["position"][index]
     assert f'"position": [{cycle}, {index}]' in unescape(page)

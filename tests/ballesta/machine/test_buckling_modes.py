@@ -121,7 +121,7 @@ def test_all_parts_have_the_mode_of_a_linkage_that_decides_and_meet_at_their_pin
 def test_the_page_of_a_linkage_that_decides_begins_with_all_parts(jack):
     shown = shown_of(jack.deciding, jack)
     assert (shown["part"], shown["mode"], shown["position"]) == (-1, True, [0, 0])
-    assert '"first":-1' in live_section(jack).body
+    assert '"first":-1' in live_section(jack)
 
 
 def test_a_crooked_bar_that_governs_bows_as_its_column_and_says_that_it_is_no_mode():

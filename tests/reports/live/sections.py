@@ -10,7 +10,7 @@ import numpy as np
 
 from checks.result.live_fields import LiveFields, LivePeak, grey, von_mises
 from checks.result.verdict import Check, DesignResult, PartResult, Surface
-from reports.live.section import live_section
+from reports.live.section import live_section, style_text
 from reports.templating import LIVE, joined
 
 POSITIONS = 73
@@ -189,7 +189,7 @@ def page(result: DesignResult, **section: Any) -> str:
         '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">'
         f'<meta http-equiv="Content-Security-Policy" content="{policy}">'
         '<meta name="viewport" content="width=device-width, initial-scale=1"><title>Live</title>'
-        f"<style>{report_style()}\n{made.style}</style></head><body><main>{made.body}</main>"
+        f"<style>{report_style()}\n{style_text()}</style></head><body><main>{made}</main>"
         f"<script>{script}</script></body></html>"
     )
 
