@@ -13,9 +13,18 @@ import loads
 from checks.design.data import Cylinder, Design
 from checks.design.errors import DesignError
 from checks.handbook.column_curves import buckling_force, largest_moments
-from checks.part.derived import NO_BAND, Band, Heading, Kind, Series, demand_over
+from checks.part.derived import (
+    NO_BAND,
+    Band,
+    Heading,
+    Kind,
+    Series,
+    demand_over,
+    derivation_at,
+    derived_check,
+)
 from checks.part.part_loads import Runs, first_largest, shown_of, stretches_of
-from checks.result.derivation import BARS, Derivation, Given, Item, LoadCase, Section, Step
+from checks.result.derivation import Given, Item, LoadCase, Step
 from checks.result.verdict import Check
 from checks.strength.sampling import Spline, with_sampling
 from geometry.mesh import FloatArray, IntArray
@@ -308,38 +317,15 @@ def _worst(
     values = demand_over(demand)
     (position,) = first_largest(values)
     cycle, place, index = loaded.cases[position]
-    there = [item.at(position) if isinstance(item, Series) else item for item in demand]
-    sections = (("Demand", there), ("Limit", limit), (BARS, [*band.above, *band.below]))
-    derivation = Derivation(
-        cases=(LoadCase("", cycle, place, index, ()),),
-        sections=tuple(Section(title, tuple(items)) for title, items in sections if items),
-        value=demand[-1].symbol,
-        limit=(limit or demand[:1])[-1].symbol,
-        unproved=unproved,
-        bars=band.bars,
-    )
+    case = LoadCase("", cycle, place, index, ())
+    derivation = derivation_at(case, position, demand, limit, band)
+    derivation = replace(derivation, unproved=unproved)
     if equal:
         reached, sought = (derivation.number(symbol) for symbol in equal)
         if abs(reached - sought) <= _CLOSE * sought:
             derivation = replace(derivation, equal=(equal,))
-    check = Check(
-        part="linkage",
-        kind=heading.kind.name,
-        quantity=heading.kind.quantity.format(heading.of),
-        value=derivation.number(derivation.value),
-        unit=heading.unit,
-        numerical=0.0,
-        model=0.0,
-        model_below=derivation.number(band.bars.below) if band.bars.below else 0.0,
-        limit=derivation.number(derivation.limit),
-        required=heading.kind.safety(loaded.design.require),
-        cycle=cycle,
-        position=place,
-        place=heading.place,
-        method="formula",
-        basis=heading.basis,
-        derivation=derivation,
-    )
+    required = loaded.design.require
+    check = derived_check("linkage", cycle, place, heading, derivation, required)
     return with_sampling(check, _rise(loaded, values, position))
 
 
