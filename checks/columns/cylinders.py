@@ -12,7 +12,7 @@ import numpy as np
 import loads
 from checks.design.data import Cylinder, Design
 from checks.design.errors import DesignError
-from checks.handbook.column_curves import buckling_force, largest_moments
+from checks.handbook.column_curves import bisected, buckling_force, largest_moments
 from checks.part.derived import (
     NO_BAND,
     Band,
@@ -23,7 +23,7 @@ from checks.part.derived import (
     derivation_at,
     derived_check,
 )
-from checks.part.part_loads import Runs, first_largest, shown_of, stretches_of
+from checks.part.part_loads import Runs, first_largest, labels_of, stretches_of
 from checks.result.derivation import Given, Item, LoadCase, Step
 from checks.result.verdict import Check
 from checks.strength.sampling import Spline, with_sampling
@@ -62,7 +62,6 @@ NOT_CHECKED = (
 )
 _ROUND_OFF = 1e-6  # of the stroke
 _CLOSE = 1e-9  # of a yield stress: a root that was sought
-_HALVINGS = 60
 _NEVER = 1e12  # a factor on loads that do nothing
 _BETWEEN = np.array([0.25, 0.5, 0.75])  # of the steps beside the worst position
 
@@ -126,12 +125,7 @@ class _Loaded:
             ends = cycle.linkage.force(cylinder.force).coordinate
             assert isinstance(ends, loads.Distance)
             reach = cycle.point(ends.body_b, ends.point_b) - cycle.point(ends.body_a, ends.point_a)
-            shown, unit, values = shown_of(design, run, cycle)
-            phases = [cycle.phases[k] for k in cycle.phase_of]
-            cases += [
-                (run, f"{shown} = {value:.4g} {unit}" + (f" {p}" if p != run else ""), k)
-                for k, (value, p) in enumerate(zip(values, phases, strict=True))
-            ]
+            cases += [(run, told, k) for k, told in enumerate(labels_of(design, run, cycle))]
             pushes.append(-design.load_factor * cycle.efforts[cylinder.force])
             reaches.append(reach)
             stretches.append(gone + stretches_of(cycle))
@@ -201,11 +195,7 @@ def _load_factor(stress: Moments, most: FloatArray, limit: float) -> FloatArray:
     with np.errstate(divide="ignore"):
         straight = np.minimum(limit / stress(np.ones(len(most))), _NEVER)
     low, high = np.minimum(straight, 1.0), np.minimum(np.maximum(straight, 1.0), most)
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        within = stress(middle) <= limit
-        low, high = np.where(within, middle, low), np.where(within, high, middle)
-    return low
+    return bisected(lambda factor: stress(factor) <= limit, low, high)[0]
 
 
 def _buckling(loaded: _Loaded, force: FloatArray) -> Check:

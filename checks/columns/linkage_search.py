@@ -22,7 +22,7 @@ from checks.columns.link_joints import (
     together,
 )
 from checks.design.data import Design
-from checks.part.part_loads import shown_of
+from checks.part.part_loads import labels_of
 from fem.frame import FrameModes, LooseFrameError
 from fem.frame_joints import IN_PLANE, OUT_OF_PLANE
 from geometry.mesh import FloatArray, IntArray
@@ -407,8 +407,6 @@ class Search:
             body, compression = placed.links[number].name, pressed[number]
             bending = self.model.bending(number, case.plane)
             length = float(np.pi * np.sqrt(bending / (factor * compression)))
-        shown, unit, values = shown_of(self._design, name, self._cycles[name])
-        phase = self._cycles[name].phases[int(self._cycles[name].phase_of[k])]
         places, moved = self.model.moved(placed, shape)
         return LinkageMode(
             factor=factor,
@@ -419,7 +417,7 @@ class Search:
             rise=rise,
             cycle=name,
             index=k,
-            position=f"{shown} = {values[k]:.4g} {unit}" + (f" {phase}" if phase != name else ""),
+            position=labels_of(self._design, name, self._cycles[name])[k],
             other_plane=other,
             shares={name: value / total for name, value in energy.items()},
             body=body,

@@ -86,16 +86,6 @@ class Points:
         """Number of columns."""
         return len(self._rows)
 
-    @property
-    def places(self) -> list[str]:
-        """Name of the place at each point."""
-        return self._places
-
-    @property
-    def fretting(self) -> FloatArray:
-        """Factor of fretting at each point."""
-        return np.concatenate(self._fretting)
-
     def history(self) -> StressHistory:
         """All points over all positions; columns that are nothing everywhere are left out."""
         points = np.concatenate(self._points)
@@ -121,9 +111,9 @@ class Points:
         """The rung `formula` of these points; parameters as `RungModel` has them."""
         return RungModel(
             history=self.history(),
-            places=self.places,
+            places=self._places,
             units=self.units,
-            fretting=self.fretting,
+            fretting=np.concatenate(self._fretting),
             residual=residual,
             deflection=deflection,
             buckles=buckles,
