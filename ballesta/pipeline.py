@@ -31,13 +31,8 @@ from ballesta.machine.validity_checks import (
 from ballesta.machine.warnings_of import design_warnings, solver_warnings, unloaded_warnings
 from ballesta.unfinished import FRAME, PART, Keep, KeptPart, with_parts, without_live
 from checks.columns.cylinders import cylinder_checks, not_checked_of
-from checks.columns.linkage_frame import (
-    FreeMotions,
-    LinkageMode,
-    least_factor,
-    linkage_check,
-    worst_mode,
-)
+from checks.columns.linkage_frame import least_factor, linkage_check, worst_mode
+from checks.columns.linkage_search import FreeMotions, LinkageMode
 from checks.columns.linkage_store import stored_mode
 from checks.derivations.buckling import linkage_share
 from checks.design.data import Design

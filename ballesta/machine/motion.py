@@ -9,7 +9,8 @@ import numpy as np
 
 import loads
 from checks.by_formula.crooked_column import CROOKED
-from checks.columns.linkage_frame import LINKAGE, LinkageMode
+from checks.columns.linkage_frame import LINKAGE
+from checks.columns.linkage_search import LinkageMode
 from checks.columns.stability import ELASTIC
 from checks.design.data import Design, Part
 from checks.ladder.part_fields import FREE_SIZE, as_it_buckles

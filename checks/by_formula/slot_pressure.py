@@ -2,13 +2,11 @@
 
 Width, pressure and the shear below the surface of cylinders in contact are Hertz's: Johnson,
 Contact Mechanics, 1985, section 4.2(c), with the stress on the axis below. Bodies are half-spaces
-there, so the patch must be small against the radii: a pin that fits its hole closely is no such
-contact.
+there, so the patch must be small against the radius of what presses on the flat.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from math import inf, isfinite, pi, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -23,8 +21,7 @@ from checks.result.formulas import Value
 from checks.result.verdict import Check
 from geometry.mesh import FloatArray, Interface
 
-_WIDEST = 0.5  # half width over the smaller radius: an arc of 60 degrees
-_FLATTEST = 1e-6  # relative curvature, against the larger of the two, below which it is conformal
+_WIDEST = 0.5  # half width over the radius: an arc of 60 degrees
 FLAT = Kind(
     name="contact",
     quantity="mean pressure at {}",
@@ -45,51 +42,13 @@ KINDS = (FLAT, ROUND)
 # Johnson, Contact Mechanics, 1985, 4.2(c) and 6.1(a): the largest shear under a line contact is
 # 0.300283 p0, and Tresca's yield begins where it is half the yield stress: p0 = 1.67 Sy.
 FIRST_YIELD = 0.5 / 0.300283
+# On the axis the shear is p0 (s - s^2 / sqrt(1 + s^2)) at s half widths, whatever Poisson's ratio:
+# its greatest is at s^2 = (sqrt 5 - 1) / 2.
+_DEEP = sqrt((sqrt(5) - 1) / 2)
+_SHEARED = _DEEP - _DEEP**2 / sqrt(1 + _DEEP**2)
 _TURNED = 1e-6  # of force times length: a couple that is more than round-off
 _JOHNSON = "Johnson, Contact Mechanics, 1985, 4.2(c)"
 _SHAPE, _DESIGN = "the part's shape", "the design"
-
-
-class HertzError(ValueError):
-    """A contact to which Hertz's theory does not apply."""
-
-
-@dataclass(frozen=True)
-class HertzBody:
-    """One of two bodies in contact.
-
-    radius          mm; infinite for a flat, negative for a hollow (a hole, a groove)
-    youngs_modulus  MPa
-    poisson_ratio   1
-    """
-
-    radius: float
-    youngs_modulus: float
-    poisson_ratio: float
-
-    def __post_init__(self) -> None:
-        if not self.radius or np.isnan(self.radius):
-            raise HertzError(f"a body's radius must not be 0 or missing, got {self.radius} mm")
-        if not 0 < self.youngs_modulus < inf:
-            raise HertzError(f"Young's modulus must be above 0 MPa, got {self.youngs_modulus}")
-        if not -1 < self.poisson_ratio <= 0.5:
-            raise HertzError(f"Poisson's ratio must be in (-1, 0.5], got {self.poisson_ratio}")
-
-
-@dataclass(frozen=True)
-class HertzContact:
-    """The contact of two bodies.
-
-    half_width     mm, of the line
-    peak_pressure  MPa
-    shear          MPa, the largest shear stress below the surface
-    shear_depth    mm, where it stands
-    """
-
-    half_width: float
-    peak_pressure: float
-    shear: float
-    shear_depth: float
 
 
 def checks(loaded: LoadedPart) -> Iterator[Check]:
@@ -112,12 +71,20 @@ def checks(loaded: LoadedPart) -> Iterator[Check]:
 
 
 def _round(loaded: LoadedPart, interface: Interface, roller: Roller, across: Series) -> Check:
-    """Check a pin or roller on the flat flank."""
-    contact = _contact(loaded, interface, roller, float(across.values.max()))
+    """Check a pin or roller on the flat flank; raises DesignError where Hertz does not apply."""
+    key = f"parts.{loaded.name}.contacts.{interface.name}.radius"
+    most = float(_couple(loaded.loads, interface).max())
+    # between positions forces and reach have a spline each: a roller seems to take a couple
+    if loaded.solved and most > _TURNED * float(across.values.max()) * 2 * roller.radius:
+        raise DesignError(
+            loaded.design.file,
+            key,
+            f"a pin or roller takes no couple, but up to {most / 1e3:.3g} N m act here: the block "
+            "turns with this part; leave the radius out, or make the joint a slot",
+        )
     own, softer = loaded.part.material, _softer(loaded.part, roller)
     young_2, poisson_2, source = _elasticity(roller)
-    under = f"largest shear {contact.shear:.3g} MPa at {contact.shear_depth:.2g} mm depth"
-    return loaded.worst(
+    found = loaded.worst(
         Heading(
             kind=ROUND,
             of=interface.name,
@@ -126,8 +93,9 @@ def _round(loaded: LoadedPart, interface: Interface, roller: Roller, across: Ser
             basis=f"{FIRST_YIELD:.2f} times the yield stress of {softer.name}: where yield begins "
             "below the surface (Johnson 1985)",
             note=lambda found: (
-                f"N = {found['N']:.0f} N, {2 * found['b']:.3g} mm wide; {under}; even along the "
-                "line, contact fatigue not checked"
+                f"N = {found['N']:.0f} N, {2 * found['b']:.3g} mm wide; largest shear "
+                f"{_SHEARED * found['p']:.3g} MPa at {_DEEP * found['b']:.2g} mm depth; even along "
+                "the line, contact fatigue not checked"
             ),
         ),
         [
@@ -153,6 +121,16 @@ def _round(loaded: LoadedPart, interface: Interface, roller: Roller, across: Ser
         ],
         Band(words="a formula has no mesh; the bodies are half-spaces"),
     )  # fmt: skip
+    assert found.derivation is not None
+    half = found.derivation.number("b")
+    if half > _WIDEST * roller.radius:
+        raise DesignError(
+            loaded.design.file,
+            key,
+            f"a contact of {half:.3g} mm half width is not small against a radius of "
+            f"{roller.radius:.3g} mm (limit {_WIDEST:g}): Hertz's theory does not apply",
+        )
+    return found
 
 
 def _flat(loaded: LoadedPart, interface: Interface, across: Series) -> Check:
@@ -190,31 +168,6 @@ def _flat(loaded: LoadedPart, interface: Interface, across: Series) -> Check:
     )  # fmt: skip
 
 
-def _contact(
-    loaded: LoadedPart, interface: Interface, roller: Roller, force: float
-) -> HertzContact:
-    """The contact under the largest force, N; raises DesignError where Hertz does not apply."""
-    key = f"parts.{loaded.name}.contacts.{interface.name}.radius"
-    most = float(_couple(loaded.loads, interface).max())
-    # between positions forces and reach have a spline each: a roller seems to take a couple
-    if loaded.solved and most > _TURNED * force * 2 * roller.radius:
-        raise DesignError(
-            loaded.design.file,
-            key,
-            f"a pin or roller takes no couple, but up to {most / 1e3:.3g} N m act here: the block "
-            "turns with this part; leave the radius out, or make the joint a slot",
-        )
-    own, (young_2, poisson_2, _) = loaded.part.material, _elasticity(roller)
-    try:
-        return line_contact(
-            force / interface.length,
-            HertzBody(inf, own.youngs_modulus, own.poisson_ratio),
-            HertzBody(roller.radius, young_2, poisson_2),
-        )
-    except HertzError as error:
-        raise DesignError(loaded.design.file, key, str(error)) from error
-
-
 def _elasticity(roller: Roller) -> tuple[float, float, str]:
     """Young's modulus, MPa, and Poisson's ratio of a pin or roller, and where they are from."""
     stated = roller.material
@@ -234,57 +187,3 @@ def _couple(loads: PartLoads, interface: Interface) -> FloatArray:
     wrench = loads.wrenches[interface.name]
     reach = loads.reaches.get(interface.name, np.zeros(len(wrench)))
     return np.asarray(np.abs(wrench[:, 5] - reach * wrench[:, 1]))
-
-
-def line_contact(force: float, first: HertzBody, second: HertzBody) -> HertzContact:
-    """Contact of parallel cylinders under `force` per length, N/mm.
-
-    b = sqrt(4 P R / (pi E*)), p0 = 2 P / (pi b) with 1/R = 1/R1 + 1/R2. On the axis the largest
-    shear is p0 (s - s^2 / sqrt(1 + s^2)) at depth s b; its greatest is 0.300283 p0 at s^2 =
-    (sqrt 5 - 1) / 2, s = 0.786151, whatever Poisson's ratio.
-
-    >>> steel = 210e3, 0.3
-    >>> found = line_contact(100.0, HertzBody(10.0, *steel), HertzBody(float("inf"), *steel))
-    >>> round(found.half_width, 6), round(found.peak_pressure, 3)
-    (0.105046, 606.037)
-    """
-    if not (force > 0 and isfinite(force)):
-        raise HertzError(f"a contact needs a force above 0 N/mm, got {force}")
-    half = sqrt(4 * force * _relative_radius(first, second) / (pi * _modulus(first, second)))
-    _check_width(half, first, second)
-    pressure = 2 * force / (pi * half)
-    depth = sqrt((sqrt(5) - 1) / 2)
-    shear = depth - depth**2 / sqrt(1 + depth**2)
-    return HertzContact(half, pressure, shear * pressure, depth * half)
-
-
-def _modulus(first: HertzBody, second: HertzBody) -> float:
-    """E*, MPa: 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2."""
-    return 1 / sum((1 - body.poisson_ratio**2) / body.youngs_modulus for body in (first, second))
-
-
-def _relative_radius(first: HertzBody, second: HertzBody) -> float:
-    one, other = 1 / first.radius, 1 / second.radius
-    curvature = one + other
-    if one == other == 0:
-        raise HertzError("two flats touch on their whole faces, not on a Hertz contact")
-    if abs(curvature) <= _FLATTEST * max(abs(one), abs(other)):
-        raise HertzError(
-            f"radii of {first.radius:g} and {second.radius:g} mm fit each other: a conformal "
-            "contact, to which Hertz's theory does not apply"
-        )
-    if curvature < 0:
-        raise HertzError(
-            f"radii of {first.radius:g} and {second.radius:g} mm cannot touch: the hollow must be "
-            "wider than what lies in it"
-        )
-    return 1 / curvature
-
-
-def _check_width(half: float, first: HertzBody, second: HertzBody) -> None:
-    smallest = min(abs(first.radius), abs(second.radius))
-    if half > _WIDEST * smallest:
-        raise HertzError(
-            f"a contact of {half:.3g} mm half width is not small against a radius of "
-            f"{smallest:.3g} mm (limit {_WIDEST:g}): Hertz's theory does not apply"
-        )

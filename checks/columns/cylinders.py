@@ -13,10 +13,19 @@ import loads
 from checks.design.data import Cylinder, Design
 from checks.design.errors import DesignError
 from checks.design.materials import Material
-from checks.handbook.column_curves import buckling_force, largest_moments
-from checks.part.derived import NO_BAND, Band, Heading, Kind, Series, demand_over
-from checks.part.part_loads import Runs, first_largest, shown_of, stretches_of
-from checks.result.derivation import BARS, Derivation, Given, Item, LoadCase, Section, Step
+from checks.handbook.column_curves import bisected, buckling_force, largest_moments
+from checks.part.derived import (
+    NO_BAND,
+    Band,
+    Heading,
+    Kind,
+    Series,
+    demand_over,
+    derivation_at,
+    derived_check,
+)
+from checks.part.part_loads import Runs, first_largest, labels_of, stretches_of
+from checks.result.derivation import Given, Item, LoadCase, Step
 from checks.result.verdict import Check
 from checks.strength.sampling import Spline, with_sampling
 from geometry.mesh import FloatArray, IntArray
@@ -55,7 +64,6 @@ NOT_CHECKED = (
 )
 _ROUND_OFF = 1e-6  # of the stroke
 _CLOSE = 1e-9  # of a yield stress: a root that was sought
-_HALVINGS = 60
 _NEVER = 1e12  # a factor on loads that do nothing
 _BETWEEN = np.array([0.25, 0.5, 0.75])  # of the steps beside the worst position
 
@@ -119,12 +127,7 @@ class _Loaded:
             ends = cycle.linkage.force(cylinder.force).coordinate
             assert isinstance(ends, loads.Distance)
             reach = cycle.point(ends.body_b, ends.point_b) - cycle.point(ends.body_a, ends.point_a)
-            shown, unit, values = shown_of(design, run, cycle)
-            phases = [cycle.phases[k] for k in cycle.phase_of]
-            cases += [
-                (run, f"{shown} = {value:.4g} {unit}" + (f" {p}" if p != run else ""), k)
-                for k, (value, p) in enumerate(zip(values, phases, strict=True))
-            ]
+            cases += [(run, told, k) for k, told in enumerate(labels_of(design, run, cycle))]
             pushes.append(-design.load_factor * cycle.efforts[cylinder.force])
             reaches.append(reach)
             stretches.append(gone + stretches_of(cycle))
@@ -194,11 +197,7 @@ def _load_factor(stress: Moments, most: FloatArray, limit: float) -> FloatArray:
     with np.errstate(divide="ignore"):
         straight = np.minimum(limit / stress(np.ones(len(most))), _NEVER)
     low, high = np.minimum(straight, 1.0), np.minimum(np.maximum(straight, 1.0), most)
-    for _ in range(_HALVINGS):
-        middle = (low + high) / 2
-        within = stress(middle) <= limit
-        low, high = np.where(within, middle, low), np.where(within, high, middle)
-    return low
+    return bisected(lambda factor: stress(factor) <= limit, low, high)[0]
 
 
 def _buckling(loaded: _Loaded, force: FloatArray) -> Check:
@@ -331,38 +330,15 @@ def _worst(
     values = demand_over(demand)
     (position,) = first_largest(values)
     cycle, place, index = loaded.cases[position]
-    there = [item.at(position) if isinstance(item, Series) else item for item in demand]
-    sections = (("Demand", there), ("Limit", limit), (BARS, [*band.above, *band.below]))
-    derivation = Derivation(
-        cases=(LoadCase("", cycle, place, index, ()),),
-        sections=tuple(Section(title, tuple(items)) for title, items in sections if items),
-        value=demand[-1].symbol,
-        limit=(limit or demand[:1])[-1].symbol,
-        unproved=unproved,
-        bars=band.bars,
-    )
+    case = LoadCase("", cycle, place, index, ())
+    derivation = derivation_at(case, position, demand, limit, band)
+    derivation = replace(derivation, unproved=unproved)
     if equal:
         reached, sought = (derivation.number(symbol) for symbol in equal)
         if abs(reached - sought) <= _CLOSE * sought:
             derivation = replace(derivation, equal=(equal,))
-    check = Check(
-        part="linkage",
-        kind=heading.kind.name,
-        quantity=heading.kind.quantity.format(heading.of),
-        value=derivation.number(derivation.value),
-        unit=heading.unit,
-        numerical=0.0,
-        model=0.0,
-        model_below=derivation.number(band.bars.below) if band.bars.below else 0.0,
-        limit=derivation.number(derivation.limit),
-        required=heading.kind.safety(loaded.design.require),
-        cycle=cycle,
-        position=place,
-        place=heading.place,
-        method="formula",
-        basis=heading.basis,
-        derivation=derivation,
-    )
+    required = loaded.design.require
+    check = derived_check("linkage", cycle, place, heading, derivation, required)
     return with_sampling(check, _rise(loaded, values, position))
 
 

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import loads
-from checks.columns.linkage_frame import LinkageMode, worst_mode
+from checks.columns.linkage_frame import worst_mode
+from checks.columns.linkage_search import LinkageMode
 from checks.design.data import Design, Part
 from checks.store.store import Store
 

@@ -1,7 +1,7 @@
 """Elastic buckling by eigenvalues, of a solid and of the linkage: what no formula gives."""
 
 from checks.columns.column_limits import planes_of
-from checks.columns.linkage_frame import LinkageMode
+from checks.columns.linkage_search import LinkageMode
 from checks.columns.stability import axial_compression, judged_columns
 from checks.design.data import Design
 from checks.part.derived import load_case, position_of

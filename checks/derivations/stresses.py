@@ -31,6 +31,7 @@ from checks.result.derivation import (
     Given,
     HandComparison,
     Item,
+    LoadCase,
     Section,
     Step,
     Sum,
@@ -244,31 +245,39 @@ def fatigue(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> D
     return _goodman(part, loads, level, use)
 
 
+def _both_ends(
+    part: Part, loads: PartLoads, level: Stressed, point: int, pair: tuple[int, int], of: str
+) -> tuple[tuple[LoadCase, ...], Section]:
+    """Load cases of two positions, and the stress s_1 and s_2 at a point there."""
+    ends = tuple(zip(pair, ("s_1", "s_2"), strict=True))
+    return (
+        tuple(load_case(part, loads, position, symbol) for position, symbol in ends),
+        Section(
+            f"Stress at the point, at both ends of {of}",
+            tuple(superposed(level, loads, point, position, symbol) for position, symbol in ends),
+        ),
+    )
+
+
+_CHORD = "its longest chord"
+_GOODMAN = Step("u", "stress over strength by Goodman", "sigma_a/S_p + sigma_m/S_u", "",
+                f"{BOOK}, eq. 6-46", main=True)  # fmt: skip
+
+
 def _goodman(part: Part, loads: PartLoads, level: Stressed, use: FatigueUse) -> Derivation:
     worst = use.worst(level)
-    first, second = worst.pair
-    stresses = tuple(
-        superposed(level, loads, worst.point, position, symbol)
-        for position, symbol in ((first, "s_1"), (second, "s_2"))
-    )
+    cases, stresses = _both_ends(part, loads, level, worst.point, worst.pair, _CHORD)
     return Derivation(
-        cases=(load_case(part, loads, first, "s_1"), load_case(part, loads, second, "s_2")),
+        cases=cases,
         sections=(
-            Section("Stress at the point, at both ends of its longest chord", stresses),
+            stresses,
             amplitude_and_mean("; compression earns nothing", "docs/theory/multiaxial.md"),
             limit_section(part),
             Section(
                 "Demand",
                 (
                     *at_point(level, use, worst.point),
-                    Step(
-                        "u",
-                        "stress over strength by Goodman",
-                        "sigma_a/S_p + sigma_m/S_u",
-                        "",
-                        f"{BOOK}, eq. 6-46",
-                        main=True,
-                    ),
+                    _GOODMAN,
                     Step("sigma", "amplitude of equal safety", "u*S_e", "MPa", main=True),
                 ),
             ),
@@ -307,14 +316,11 @@ def of_solid(
 def fkm(part: Part, loads: PartLoads, level: Stressed, use: FkmUse) -> Derivation:
     """Of the utilisation times the reference strength."""
     found = use.found(level)
-    pair = tuple(zip(found.pair, ("s_1", "s_2"), strict=True))
+    cases, stresses = _both_ends(part, loads, level, found.point, found.pair, _CHORD)
     return Derivation(
-        cases=tuple(load_case(part, loads, position, symbol) for position, symbol in pair),
+        cases=cases,
         sections=(
-            Section(
-                "Stress at the point, at both ends of its longest chord",
-                tuple(superposed(level, loads, found.point, k, symbol) for k, symbol in pair),
-            ),
+            stresses,
             amplitude_and_mean(", not below 0", _BOOK),
             Section("Limit: component strength without support", tuple(_limit(use))),
             Section("Demand", tuple(_demand(found))),
@@ -370,19 +376,14 @@ def _demand(found: FkmJudgement) -> list[Item]:
 def miner(part: Part, loads: PartLoads, level: Stressed, use: LifeUse) -> Derivation:
     """Of the endurance limit over the safety that a finite life leaves."""
     life = use.life(level)
-    largest = tuple(
-        superposed(level, loads, life.point, position, symbol)
-        for position, symbol in zip(life.pair, ("s_1", "s_2"), strict=True)
-    )
+    of = "the cycle that harms most"
+    cases, largest = _both_ends(part, loads, level, life.point, life.pair, of)
     at = float(level.limits[life.point])
     endless = not isfinite(life.safety) or (use.task.endless and _endless(life, at, use.ultimate))
     return Derivation(
-        cases=tuple(
-            load_case(part, loads, position, symbol)
-            for position, symbol in zip(life.pair, ("s_1", "s_2"), strict=True)
-        ),
+        cases=cases,
         sections=(
-            Section("Stress at the point, at both ends of the cycle that harms most", largest),
+            largest,
             limit_section(part),
             Section(
                 "Safety",
@@ -429,8 +430,7 @@ def _without_end(life: DutyLife, limit: float, strength: float) -> list[Item]:
               "rainflow"),
         Given("sigma_m", "mean of the largest cycle", float(mean[worst]), "MPa", "rainflow"),
         Given("S_p", "endurance limit at the point", limit, "MPa", "S_e over its fretting factor"),
-        Step("u", "stress over the endurance limit", "sigma_a/S_p + sigma_m/S_u", "",
-             f"{BOOK}, eq. 6-46", main=True),
+        replace(_GOODMAN, meaning="stress over the endurance limit"),
     ]  # fmt: skip
 
 

@@ -18,12 +18,13 @@ allows (docs/theory/cylinders.md). Lengths and stiffnesses are of the tube, firs
 arrays (n,) are of positions.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi, sqrt
 
 import numpy as np
 
-from geometry.mesh import FloatArray
+from geometry.mesh import BoolArray, FloatArray
 
 _TERMS = 3
 
@@ -262,11 +263,19 @@ def buckling_force(
     one, two = (np.asarray(length, dtype=float) for length in lengths)
     euler = (pi / (one + two)) ** 2
     low, high = euler * min(stiffness), euler * max(stiffness)
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        below = _angle(middle, (one, two), stiffness) < pi
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
+    low, high = bisected(lambda force: _angle(force, (one, two), stiffness) < pi, low, high)
     return np.asarray(0.5 * (low + high))
+
+
+def bisected(
+    below: Callable[[FloatArray], BoolArray], low: FloatArray, high: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Ends (n,), but for rounding one, between which the answer changes that is given of places."""
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        still = below(middle)
+        low, high = np.where(still, middle, low), np.where(still, high, middle)
+    return low, high
 
 
 def _angle(

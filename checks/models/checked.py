@@ -58,6 +58,8 @@ _ROUNDS = 5  # from 15 degrees to 0.005: the peak, flat there, is missed by 1e-8
 _MOST = 16  # angles that are followed
 _ROUND_OFF = 1e-12  # of the largest wave of a stress around its ring
 _SAME = 1e-6  # of a degree's radians: two points are one
+# Of a history's points with their fretting (n,): what is judged where it is known, exact at the
+# worst, and a bound (n,) that it does not exceed.
 Values = Callable[[StressHistory, FloatArray], tuple[FloatArray, FloatArray]]
 STATIC, FATIGUE, BUCKLING = "static", "fatigue", "buckling"
 BALANCE = 1e-6  # of the largest force: what may be left of a part's balance
@@ -158,10 +160,6 @@ class Estimate:
         ).status
 
 
-"""Of a history's points with their fretting (n,): what is judged where it is known, exact at the
-worst, and a bound (n,) that it does not exceed."""
-
-
 def rung_level(loaded: LoadedPart, model: RungModel, *, all_round: bool = True) -> RungLevel:
     """Judge the stress of a rung's model over all cycles of the design.
 
@@ -181,14 +179,7 @@ def rung_level(loaded: LoadedPart, model: RungModel, *, all_round: bool = True) 
             model = with_peaks(model, used)
     limits = limit / model.fretting
     judged = judge(model.history, limits, limit, ultimate, loads, cycles)
-    return RungLevel(
-        limits=limits,
-        history=model.history,
-        peak=judged.peak,
-        peaks_by_position=judged.peaks_by_position,
-        duty=judged.duty,
-        model=model,
-    )
+    return RungLevel(**judged, model=model)
 
 
 def rung_estimates(

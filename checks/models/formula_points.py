@@ -10,7 +10,7 @@ import numpy as np
 
 from checks.design.data import Part
 from checks.handbook.lug_stress import Lug, cartesian, polar
-from checks.handbook.pin_loaded_hole import PATTERNS, ComplexArray, patterns_of
+from checks.handbook.pin_loaded_hole import ComplexArray, patterns_of
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import ElasticLoad, RungModel, UnitName, no_answer
 from fem.stress_history import StressHistory
@@ -86,16 +86,6 @@ class Points:
         """Number of columns."""
         return len(self._rows)
 
-    @property
-    def places(self) -> list[str]:
-        """Name of the place at each point."""
-        return self._places
-
-    @property
-    def fretting(self) -> FloatArray:
-        """Factor of fretting at each point."""
-        return np.concatenate(self._fretting)
-
     def history(self) -> StressHistory:
         """All points over all positions; columns that are nothing everywhere are left out."""
         points = np.concatenate(self._points)
@@ -121,9 +111,9 @@ class Points:
         """The rung `formula` of these points; parameters as `RungModel` has them."""
         return RungModel(
             history=self.history(),
-            places=self.places,
+            places=self._places,
             units=self.units,
-            fretting=self.fretting,
+            fretting=np.concatenate(self._fretting),
             residual=residual,
             deflection=deflection,
             buckles=buckles,
@@ -173,11 +163,6 @@ def interface_units(interface: str, columns: Sequence[str]) -> list[UnitName]:
     return [(f"{interface} {name}", "N mm" if name in _COUPLES else "N") for name in columns]
 
 
-def bearing_units(interface: str, patterns: Sequence[str] = PATTERNS) -> list[UnitName]:
-    """Names of a bore's columns: harmonics of the pressure and the friction couple."""
-    return interface_units(interface, patterns)
-
-
 def pressed_unit(interface: str) -> UnitName:
     """Name of the column of a bush that is pressed into a bore."""
     return f"{interface}{PRESSED_IN}", "N"
@@ -223,7 +208,7 @@ def bore_columns(
     wrench = loads.wrenches[name][:, IN_PLANE]
     names = patterns_of(harmonics_of(loads.arc))
     pressure = bearing_coefficients(wrench, inward=False, arc=loads.arc)
-    columns = points.columns(pressure.T, bearing_units(name, names))
+    columns = points.columns(pressure.T, interface_units(name, names))
     patterns = list(range(len(names)))
     fit = loads.press_fits.get(name)
     if fit is None:
@@ -253,7 +238,7 @@ def on_arc(model: RungModel, loads: PartLoads, arc: float) -> RungModel:
     rows: dict[str, FloatArray] = {}
     for bore, wrench in loads.wrenches.items():
         pressure = bearing_coefficients(wrench[:, IN_PLANE], inward=False, arc=arc).T[:-1]
-        names = (name for name, _ in bearing_units(bore, waves))
+        names = (name for name, _ in interface_units(bore, waves))
         rows |= dict(zip(names, pressure, strict=True))
     before = zip(model.units, model.history.coefficients, strict=True)
     now = np.stack([rows.get(name, row) for (name, _), row in before])

@@ -13,6 +13,7 @@ from checks.design.data import Part
 from checks.design.model import Requirements, SafetyKey
 from checks.part.part_loads import PartLoads
 from checks.result.derivation import (
+    BARS,
     Acting,
     BarSymbols,
     Derivation,
@@ -134,19 +135,41 @@ def at_value(check: Check, items: Sequence[Item]) -> float:
     return float(demand_over([Given(VALUE, check.quantity, check.value), *items]))
 
 
-def derived_check(
-    part: Part,
-    loads: PartLoads,
+def derivation_at(
+    case: LoadCase,
     position: int,
+    demand: Sequence[Series | Item],
+    limit: Sequence[Item],
+    band: Band,
+) -> Derivation:
+    """Of the last item of a demand against a limit at one of all positions.
+
+    limit  its items; empty where the first item of the demand is it
+    """
+    there = [item.at(position) if isinstance(item, Series) else item for item in demand]
+    sections = [("Demand", there), ("Limit", limit), (BARS, (*band.above, *band.below))]
+    return Derivation(
+        cases=(case,),
+        sections=tuple(Section(title, tuple(items)) for title, items in sections if items),
+        value=demand[-1].symbol,
+        limit=(limit or demand[:1])[-1].symbol,
+        bars=band.bars,
+    )
+
+
+def derived_check(
+    part: str,
+    cycle: str,
+    position: str,
     heading: Heading,
     derivation: Derivation,
     required: Requirements,
 ) -> Check:
-    """A check at one of all positions whose numbers are those of its derivation."""
+    """A check at a position of a cycle, in words, whose numbers are those of its derivation."""
     bars, note = derivation.bars, heading.note
     above, below = (derivation.number(one) if one else 0.0 for one in (bars.above, bars.below))
     return Check(
-        part=part.name,
+        part=part,
         kind=heading.kind.name,
         quantity=heading.kind.quantity.format(heading.of),
         value=derivation.number(derivation.value),
@@ -156,8 +179,8 @@ def derived_check(
         model_below=below,
         limit=derivation.number(derivation.limit),
         required=heading.kind.safety(required),
-        cycle=loads.cycle_names[position],
-        position=loads.labels[position],
+        cycle=cycle,
+        position=position,
         place=heading.place,
         method="formula",
         basis=heading.basis,

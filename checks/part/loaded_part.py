@@ -18,12 +18,13 @@ from checks.part.derived import (
     Heading,
     Series,
     demand_over,
+    derivation_at,
     derived_check,
     load_case,
 )
 from checks.part.part_loads import Doubt, PartLoads, Runs, first_largest, loads_on
 from checks.part.pressed_along import Stack, Uneven, stack_in, uneven_bores
-from checks.result.derivation import BARS, Derivation, Item, Section
+from checks.result.derivation import Derivation, Item
 from checks.result.verdict import Check
 from geometry.cad_body import SolidBody, cad_body
 from geometry.closed_form import closed_body
@@ -175,21 +176,14 @@ class LoadedPart:
         band: Band = NO_BAND,
     ) -> Check:
         """The same check at one of all positions, which is known to be the worst. As `worst`."""
-        there = [item.at(position) if isinstance(item, Series) else item for item in demand]
-        sections = [("Demand", there), ("Limit", limit), (BARS, (*band.above, *band.below))]
-        derivation = Derivation(
-            cases=(load_case(self.part, self.loads, position),),
-            sections=tuple(Section(title, tuple(items)) for title, items in sections if items),
-            value=demand[-1].symbol,
-            limit=limit[-1].symbol,
-            bars=band.bars,
-        )
-        return self.derived(heading, position, derivation)
+        case = load_case(self.part, self.loads, position)
+        return self.derived(heading, position, derivation_at(case, position, demand, limit, band))
 
     def derived(self, heading: Heading, position: int, derivation: Derivation) -> Check:
         """The check at one of all positions whose numbers are those of its derivation."""
         part, loads = self.part, self.loads
-        return derived_check(part, loads, position, heading, derivation, self.required)
+        cycle, label = loads.cycle_names[position], loads.labels[position]
+        return derived_check(part.name, cycle, label, heading, derivation, self.required)
 
     @cached_property
     def uneven(self) -> Mapping[str, Uneven]:

@@ -252,16 +252,12 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
         for interface, reach in placing.reaches(history).items():
             reaches.setdefault(interface, []).append(reach)
         accelerations.append(design.load_factor * part_accelerations)
-        shown, unit, values = shown_of(design, name, cycle_loads)
-        told = {name, *loads.MeasuredLoads.phases}
-        phases = tuple("" if phase in told else f" {phase}" for phase in history.phases)
-        labels += _labels(
-            shown, unit, tuple(values.tolist()), tuple(history.phase_of.tolist()), phases
-        )
+        values = cycle_loads.positions
+        labels += labels_of(design, name, cycle_loads)
         names += [name] * len(values)
         stretch_of.append(stretches_of(cycle_loads))
         known = isinstance(cycle_loads, loads.CycleLoads)
-        path.append(cycle_loads.positions if known else np.full(len(values), np.nan))
+        path.append(values if known else np.full(len(values), np.nan))
         for entry in part.stack:
             spins.setdefault(entry.name, []).append(_spin(cycle_loads, part, entry))
         slices[name] = slice(start, start + len(values))
@@ -351,6 +347,16 @@ def stretches_of(cycle: loads.CycleLoads | loads.MeasuredLoads) -> IntArray:
                 way = np.sign(rubbing)  # 0 at rest
                 jumps |= way[1:] != way[:-1]
     return np.concatenate([[0], np.cumsum(jumps)])
+
+
+def labels_of(
+    design: Design, name: str, cycle: loads.CycleLoads | loads.MeasuredLoads
+) -> tuple[str, ...]:
+    """Where in the cycle its positions are, in words."""
+    shown, unit, values = shown_of(design, name, cycle)
+    told = {name, *loads.MeasuredLoads.phases}
+    phases = tuple("" if phase in told else f" {phase}" for phase in cycle.phases)
+    return _labels(shown, unit, tuple(values.tolist()), tuple(cycle.phase_of.tolist()), phases)
 
 
 @lru_cache(maxsize=16)

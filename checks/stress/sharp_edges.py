@@ -136,11 +136,7 @@ def edge_level(
         at=at,
         reach=reach,
         leading=leading,
-        history=history,
-        limits=limits,
-        peak=judged.peak,
-        peaks_by_position=judged.peaks_by_position,
-        duty=judged.duty,
+        **judged,
     )
 
 
@@ -192,14 +188,7 @@ def without(level: Level, left_out: IntArray, loads: PartLoads, duty: Mapping[st
     history = replace(level.history, basis=basis)
     limit, ultimate = (1.0, 1.0) if level.duty is None else (level.duty.limit, level.duty.ultimate)
     judged = judge(history, level.limits, limit, ultimate, loads, duty)
-    return replace(
-        level,
-        left_out=left_out,
-        history=history,
-        peak=judged.peak,
-        peaks_by_position=judged.peaks_by_position,
-        duty=judged.duty,
-    )
+    return replace(level, left_out=left_out, **judged)
 
 
 def _fit(
@@ -340,17 +329,7 @@ def spared_level(level: Level, loads: PartLoads, spared: Spared) -> SparedLevel:
     )
     limits = np.ones(len(basis))
     judged = judge(history, limits, 1.0, 1.0, loads, {})  # of fatigue nothing is asked
-    return SparedLevel(
-        solid=level,
-        softened=softened,
-        around=around,
-        left_out=left_out,
-        history=history,
-        limits=limits,
-        peak=judged.peak,
-        peaks_by_position=judged.peaks_by_position,
-        duty=None,
-    )
+    return SparedLevel(solid=level, softened=softened, around=around, left_out=left_out, **judged)
 
 
 def _stress(

@@ -343,11 +343,7 @@ def solve_level(
         fineness=fineness,
         solutions=solutions,
         added=added,
-        history=history,
-        limits=limits,
-        peak=judged.peak,
-        peaks_by_position=judged.peaks_by_position,
-        duty=judged.duty,
+        **judged,
         contact=contact,
         lasting=lasting,
     )

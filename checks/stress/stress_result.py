@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import acos, degrees, hypot
+from typing import TypedDict
 
 import numpy as np
 
@@ -187,10 +188,11 @@ class RungLevel(Stressed):
         return None
 
 
-@dataclass(frozen=True, eq=False)
-class Judgement:
-    """Judgement of a part's stress history, as in `Stressed`."""
+class Judgement(TypedDict):
+    """A part's stress history with its judgement: the fields of `Stressed`."""
 
+    limits: FloatArray
+    history: StressHistory
     peak: Peak
     peaks_by_position: FloatArray
     duty: DutyVerdict | None
@@ -216,7 +218,9 @@ def judge(
     verdict = duty_verdict(
         history.basis, history.coefficients, limits, endurance_limit, ultimate_stress, runs
     )
-    return Judgement(peak, by_position, verdict)
+    return Judgement(
+        limits=limits, history=history, peak=peak, peaks_by_position=by_position, duty=verdict
+    )
 
 
 # Where a point of a part is, as an engineer says it: "knee bore, edge at the outer face".

@@ -14,7 +14,7 @@ from checks.design.data import Part
 from checks.handbook.lug_stress import stepped_shaft
 from checks.handbook.pin_diagrams import PinDiagram, pin_diagram
 from checks.handbook.pin_loaded_hole import PATTERNS
-from checks.models.formula_points import YZ, ZX, Points, bearing_units, interface_units
+from checks.models.formula_points import YZ, ZX, Points, interface_units
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
 from checks.stress.stress_result import RungModel
@@ -260,7 +260,7 @@ def stress(part: Part, shape: Pin, loads: PartLoads) -> RungModel | None:
     pressing = {
         name: points.columns(
             bearing_coefficients(loads.wrenches[name][:, [0, 1, 5]], inward=True).T,
-            bearing_units(name),
+            interface_units(name, PATTERNS),
         )
         for name in names
     }

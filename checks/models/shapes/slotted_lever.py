@@ -131,6 +131,20 @@ class _Rail:
         return 6 * self.across * self.apart / 2 / length / stiff
 
 
+def _rails(
+    shape: SlottedLever, loads: PartLoads, bar: BarLoads, count: int
+) -> tuple[_Rail, FloatArray, RailForces]:
+    """A rail, places along it between its clamped ends, mm, and the forces of both there."""
+    depth, into = (shape.width - shape.slot_width) / 2, _INTO * shape.slot_width
+    rail = _Rail(depth, shape.thickness, shape.width - depth)
+    places = np.linspace(shape.slot_from + into, shape.slot_to - into, count)
+    wrench = loads.wrenches["slot"]
+    reach = loads.reaches.get("slot", np.zeros(len(wrench)))
+    moment, pressed = bar.at(places).moment_z, np.abs(wrench[:, 1])
+    sizes = {"area": rail.area, "inertia": rail.inertia, "apart": rail.apart}
+    return rail, places, rail_forces(places, moment, pressed, reach, **sizes)
+
+
 def _add_rails(
     part: Part, points: Points, shape: SlottedLever, loads: PartLoads, bar: BarLoads
 ) -> None:
@@ -139,22 +153,9 @@ def _add_rails(
     A rail is clamped half-way into the round end. There its own moment turns round the corner, as
     in a curved bar; axial force finds a shoulder, and bending out of the plane half of a hole.
     """
-    depth = (shape.width - shape.slot_width) / 2
-    rail = _Rail(depth, shape.thickness, shape.width - depth)
-    into = _INTO * shape.slot_width
-    places = np.linspace(shape.slot_from + into, shape.slot_to - into, _STATIONS)
-    length = float(places[-1] - places[0])
+    rail, places, rails = _rails(shape, loads, bar, _STATIONS)
+    depth, length = rail.depth, float(places[-1] - places[0])
     forces = bar.at(places)
-    wrench = loads.wrenches["slot"]
-    rails = rail_forces(
-        places,
-        forces.moment_z,
-        np.abs(wrench[:, 1]),
-        loads.reaches.get("slot", np.zeros(len(wrench))),
-        area=rail.area,
-        inertia=rail.inertia,
-        apart=rail.apart,
-    )
     pulled = stepped_bar("tension", shape.width, 2 * depth, shape.slot_width / 2)
     bent = curved_bar(depth, shape.slot_width / 2)
     folded = bent_plate_hole(shape.slot_width, shape.thickness) * 2 * depth / shape.width
@@ -242,28 +243,14 @@ def _aside(part: Part, shape: SlottedLever, loads: PartLoads, bar: BarLoads, pul
     round_end = shape.slot_width * np.array([0.15, 0.5])
     along = np.linspace(start, stop, 9)
     nodes = spaced(np.r_[along, start + round_end, stop - round_end])
-    depth = (shape.width - shape.slot_width) / 2
-    apart = shape.width - depth
-    plate, rail = partial(_plate_stiffness, part, shape), partial(_rail_stiffness, part, shape)
+    rail, places, rails = _rails(shape, loads, bar, _FINE)
+    plate, flat = partial(_plate_stiffness, part, shape), partial(_rail_stiffness, part, shape)
     chains = [
         Chain(np.r_[-beyond, ends[0]], plate),
         Chain(np.r_[ends[1], shape.length + beyond], plate),
-        Chain(nodes, rail, apart / 2),
-        Chain(nodes, rail, -apart / 2),
+        Chain(nodes, flat, rail.apart / 2),
+        Chain(nodes, flat, -rail.apart / 2),
     ]
-    into = _INTO * shape.slot_width
-    places = np.linspace(start + into, stop - into, _FINE)
-    wrench = loads.wrenches["slot"]
-    reach = loads.reaches.get("slot", np.zeros(len(wrench)))
-    rails = rail_forces(
-        places,
-        bar.at(places).moment_z,
-        np.abs(wrench[:, 1]),
-        reach,
-        area=depth * shape.thickness,
-        inertia=shape.thickness * depth**3 / 12,
-        apart=apart,
-    )
     acting = []
     for k, chain in enumerate(chains):
         forces = bar.at(chain.points)
@@ -295,11 +282,11 @@ def _aside(part: Part, shape: SlottedLever, loads: PartLoads, bar: BarLoads, pul
         joined=[(k, at, branch) for k, at in ((0, start), (1, stop)) for branch in (2, 3)],
     )
     share, position, held = whole.worst_of_forks(acting, pressed)
-    young, inertia = part.material.youngs_modulus, shape.thickness * depth**3 / 12
+    young = part.material.youngs_modulus
     middle = bar.at(np.array([(start + stop) / 2])).axial[0] / 2
     axial = middle + rails.axial
     push = -axial.min(axis=0)
-    column = push * (stop - start) ** 2 / (4 * np.pi**2 * young * inertia)
+    column = push * (stop - start) ** 2 / (4 * np.pi**2 * young * rail.inertia)
     (worst,) = first_largest(column)
     if column[worst] > share:
         own, upper = float(column[worst]), bool(axial[0, worst] < axial[1, worst])
@@ -337,15 +324,7 @@ def _plate_stiffness(part: Part, shape: SlottedLever, x: FloatArray) -> Stiffnes
     boss = 0.0 if shape.boss_diameter is None else shape.boss_diameter / 2
     on_boss = np.abs(x - shape.length) < boss
     thick = np.where(on_boss, shape.thickness + 2 * shape.boss_height, shape.thickness)
-    width = np.full_like(x, shape.width)
-    young, twists = part.material.youngs_modulus, 2 * (1 + part.material.poisson_ratio)
-    torsion = rectangle_torsion(width, thick)[0]
-    return Stiffness(
-        young * width * thick**3 / 12,
-        young / twists * torsion,
-        young * (width * thick) ** 3 / 144,
-        (width**2 + thick**2) / 12,
-    )
+    return _flat_stiffness(part, np.full_like(x, shape.width), thick, 1.0)
 
 
 def _rail_stiffness(part: Part, shape: SlottedLever, x: FloatArray) -> Stiffness:
@@ -353,13 +332,17 @@ def _rail_stiffness(part: Part, shape: SlottedLever, x: FloatArray) -> Stiffness
     radius = shape.slot_width / 2
     into = np.clip(np.minimum(x - shape.slot_from, shape.slot_to - x), 0.0, radius)
     deep = shape.width / 2 - np.sqrt(radius**2 - (radius - into) ** 2)
-    thick = np.full_like(x, shape.thickness)
+    return _flat_stiffness(part, deep, np.full_like(x, shape.thickness), 0.0)
+
+
+def _flat_stiffness(part: Part, wide: FloatArray, thick: FloatArray, warps: float) -> Stiffness:
+    """Stiffness of rectangular sections (k,), with so much of a plate's warping."""
     young, twists = part.material.youngs_modulus, 2 * (1 + part.material.poisson_ratio)
     return Stiffness(
-        young * deep * thick**3 / 12,
-        young / twists * rectangle_torsion(deep, thick)[0],
-        np.zeros_like(x),
-        (deep**2 + thick**2) / 12,
+        young * wide * thick**3 / 12,
+        young / twists * rectangle_torsion(wide, thick)[0],
+        warps * young * (wide * thick) ** 3 / 144,
+        (wide**2 + thick**2) / 12,
     )
 
 

@@ -49,6 +49,7 @@ _EMPTY = 1e-5  # of the stiffness, left to what is in the hole
 _EDGE = 1e-3  # of the wall: round-off of a cheek's inner face
 _UNLOADED = 1e-9  # of the largest eigenvalue: round-off
 
+# Stress xx, yy and xy (k, 3) of a cheek at places (k,), MPa per N of the pin's push.
 Stress = Callable[[FloatArray, FloatArray], FloatArray]
 
 
@@ -79,17 +80,11 @@ def stress(part: Part, shape: ToggleBar, loads: PartLoads) -> RungModel:
     if 0 < free < shape.length:
         _add_cut_out(points, shape, free, cheeks, sections)
     return whole.model(
-        local=lambda: _spread(part, shape),
-        stretch=partial(spread_mode, shape, lugs["knee"], nu),
+        local=partial(spreading, shape, part.material.youngs_modulus, nu),
+        stretch=partial(spread_mode, shape, nu),
         neglects="bending of the walls across themselves; that the side walls lag in taking their "
         "share",
     )
-
-
-def _spread(part: Part, shape: ToggleBar) -> float | None:
-    """Share of the cheeks' buckling load by 1 N of push; None where they are no plates."""
-    share = _spreading(shape, part.material.poisson_ratio)
-    return None if share is None else share / part.material.youngs_modulus
 
 
 def cheeks_alone(shape: ToggleBar, plane: str, nodes: FloatArray) -> FloatArray:
@@ -109,12 +104,6 @@ def cheeks_alone(shape: ToggleBar, plane: str, nodes: FloatArray) -> FloatArray:
     aside = 1 - np.sin(pi / 2 * share) + slope * before
     off = np.abs(z) - shape.cheeks_at
     return np.stack([-off * slope, still, np.sign(z) * aside], axis=1)
-
-
-@lru_cache(64)  # bars of one size, and their variations in other dimensions than the part's
-def _spreading(shape: ToggleBar, poisson_ratio: float) -> float | None:
-    """Share of the cheeks' buckling load by 1 N of push, at a Young's modulus of 1 MPa."""
-    return spreading(shape, lug_at(shape, "knee", poisson_ratio), 1.0, poisson_ratio)
 
 
 def lug_at(shape: ToggleBar, name: str, poisson_ratio: float, arc: float = pi) -> Lug:
@@ -207,9 +196,6 @@ def _add_cut_out(
     add_fibres(points, "cut-out corner", places, (y, z), columns, stress)
 
 
-"""Stress xx, yy and xy (k, 3) of a cheek at places (k,), MPa per N of the pin's push."""
-
-
 @dataclass(frozen=True, eq=False)
 class _Grid:
     """Lines of the plates laid out, mm; each node has w, slopes across and along, mixed second one.
@@ -263,18 +249,16 @@ def _within(lines: FloatArray, places: FloatArray) -> tuple[IntArray, FloatArray
     return element, np.clip((places - lines[element]) / size, 0.0, 1.0), size
 
 
-def spreading(shape: ToggleBar, lug: Lug, young: float, poisson_ratio: float) -> float | None:
+def spreading(shape: ToggleBar, young: float, poisson_ratio: float) -> float | None:
     """Share of their buckling load that 1 N of the pin's push is on the cheeks at the knee, 1/N.
 
     None where less than a wall is left between the hole and the side wall: no plate.
-
-    lug  both cheeks about the knee's hole
     """
-    found = _lowest(shape, lug, young, poisson_ratio)
-    return None if found is None else found[0]
+    found = _lowest(shape, poisson_ratio)
+    return None if found is None else found[0] / young
 
 
-def spread_mode(shape: ToggleBar, lug: Lug, poisson_ratio: float, nodes: FloatArray) -> FloatArray:
+def spread_mode(shape: ToggleBar, poisson_ratio: float, nodes: FloatArray) -> FloatArray:
     """Displacements (n, 3) of nodes (n, 3) mm of a bar whose cheeks spread, of free size.
 
     Walls move outwards by w of their middle planes, and turn by its slopes. A cheek beyond its edge
@@ -282,7 +266,7 @@ def spread_mode(shape: ToggleBar, lug: Lug, poisson_ratio: float, nodes: FloatAr
 
     Raises ValueError for a shape without a share (`spreading`).
     """
-    found = _lowest(shape, lug, 1.0, poisson_ratio)
+    found = _lowest(shape, poisson_ratio)
     if found is None:
         raise ValueError("what is beside the hole is no plate: it has no mode")
     _, grid, unknowns = found
@@ -298,10 +282,13 @@ def spread_mode(shape: ToggleBar, lug: Lug, poisson_ratio: float, nodes: FloatAr
     return np.column_stack([-outer * along, moved])
 
 
-def _lowest(
-    shape: ToggleBar, lug: Lug, young: float, poisson_ratio: float
-) -> tuple[float, _Grid, FloatArray] | None:
-    """Share of 1 N, the plates laid out, and the mode's unknowns on them; None without a plate."""
+@lru_cache(64)  # bars of one size, and their variations in other dimensions than the part's
+def _lowest(shape: ToggleBar, poisson_ratio: float) -> tuple[float, _Grid, FloatArray] | None:
+    """Share of 1 N at a Young's modulus of 1 MPa, the plates laid out, and the mode on them.
+
+    The mode by its unknowns. None without a plate.
+    """
+    lug = lug_at(shape, "knee", poisson_ratio)
     beside = shape.width / 2 - shape.wall - shape.hole / 2
     if beside < shape.wall:
         return None
@@ -318,7 +305,7 @@ def _lowest(
         found[x > cut] = -1 / area, 0.0, 0.0
         return np.asarray(found)
 
-    elastic, loaded = _matrices(shape, grid, stress, young, poisson_ratio)
+    elastic, loaded = _matrices(shape, grid, stress, poisson_ratio)
     free = grid.free
     lower = np.linalg.cholesky(elastic[np.ix_(free, free)])
     half = np.linalg.solve(lower, loaded[np.ix_(free, free)])
@@ -357,12 +344,11 @@ def _matrices(
     shape: ToggleBar,
     grid: _Grid,
     stress: Stress,
-    young: float,
     poisson_ratio: float,
 ) -> tuple[FloatArray, FloatArray]:
-    """Elastic stiffness, and the stress's own per N; both of all unknowns."""
+    """Elastic stiffness at 1 MPa, and the stress's own per N; both of all unknowns."""
     wall, radius = shape.wall, shape.hole / 2
-    bending = young * wall**3 / 12 / (1 - poisson_ratio**2)
+    bending = wall**3 / 12 / (1 - poisson_ratio**2)
     x, x_weight, in_x = _along_lines(grid.along)
     y, y_weight, in_y = _along_lines(grid.across)
     on_wall = np.arange(len(y)) >= _ACROSS

@@ -12,7 +12,8 @@ from numpy.testing import assert_allclose
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
 from checks.columns.link_joints import BarForces, JointRows, forces_of, link_model
-from checks.columns.linkage_frame import _IN, _SOFT, _STIFF, COARSE, _Search, _spread, worst_mode
+from checks.columns.linkage_frame import COARSE, worst_mode
+from checks.columns.linkage_search import IN, SOFT, STIFF, Search, _spread
 from fem.frame_joints import slot_force
 from loads import Fixed, Slot
 from tests.checks.columns.test_linkage_frame import BAR
@@ -229,7 +230,7 @@ def test_a_position_that_only_the_fine_frame_shows_to_be_the_lowest_is_found():
 
     ranked = [(1.0, ("a", 4)), (0.98, ("a", 7)), (0.979, ("a", 1)), (0.95, ("a", 2))]
     search = SimpleNamespace(factor=factor, largest_inverses=largest_inverses)
-    assert _Search.lowest(search, _IN, ranked) == (1 / 1.005, "a", 7)
+    assert Search.lowest(search, IN, ranked) == (1 / 1.005, "a", 7)
     assert asked == [4, 7, 1]
     assert proven == [7]
 
@@ -255,7 +256,7 @@ def two_pushes(tmp_path_factory):
         efforts={name: 2 * effort for name, effort in run.efforts.items()},
     )
     runs = {"turn": run, "twice": twice}
-    return runs, _Search(design, runs, COARSE)
+    return runs, Search(design, runs, COARSE)
 
 
 def test_positions_are_ranked_by_their_own_loads_and_none_near_the_lowest_is_left_out(
@@ -264,7 +265,7 @@ def test_positions_are_ranked_by_their_own_loads_and_none_near_the_lowest_is_lef
     """Poses of both cycles are solved together; every position by itself gives the same factor."""
     runs, search = two_pushes
     ranked = search.ranked()
-    for case in (_IN, _SOFT, _STIFF):
+    for case in (IN, SOFT, STIFF):
         inverses = [inverse for inverse, _ in ranked[case]]
         assert inverses == sorted(inverses, reverse=True)
         known = {place: inverse for inverse, place in ranked[case]}
@@ -277,15 +278,15 @@ def test_positions_are_ranked_by_their_own_loads_and_none_near_the_lowest_is_lef
                     assert known[name, k] == pytest.approx(inverse, rel=1e-6)
                 else:
                     assert inverse * 1.03 <= inverses[0] * (1 + 1e-9)
-    assert ranked[_IN][0][1][0] == "twice"
+    assert ranked[IN][0][1][0] == "twice"
 
 
 def test_the_lowest_with_stiff_forks_is_that_of_frames_with_stiff_forks(two_pushes):
     _, search = two_pushes
-    ranked = search.ranked()[_STIFF]
-    factor, name, k = search.lowest(_STIFF, ranked)
-    assert factor == pytest.approx(search.factor(name, k, _STIFF))
-    assert factor > 1.5 * search.factor(name, k, _SOFT)
+    ranked = search.ranked()[STIFF]
+    factor, name, k = search.lowest(STIFF, ranked)
+    assert factor == pytest.approx(search.factor(name, k, STIFF))
+    assert factor > 1.5 * search.factor(name, k, SOFT)
 
 
 def test_forks_that_hold_all_tilts_leave_the_mode_in_the_plane_as_the_lowest(tmp_path):

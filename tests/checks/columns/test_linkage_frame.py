@@ -12,18 +12,8 @@ import loads
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
 from checks.columns.link_joints import JointRows, forces_of
-from checks.columns.linkage_frame import (
-    _IN,
-    _SOFT,
-    _STIFF,
-    COARSE,
-    FINE,
-    FreeMotions,
-    _Search,
-    least_factor,
-    linkage_check,
-    worst_mode,
-)
+from checks.columns.linkage_frame import COARSE, FINE, least_factor, linkage_check, worst_mode
+from checks.columns.linkage_search import IN, SOFT, STIFF, FreeMotions, Search
 from checks.result.verdict import Status
 from checks.stress.solid_mesh_level import Models
 from fem.frame_joints import PlacedLinks
@@ -133,11 +123,11 @@ def test_the_toggle_as_built_is_so_stiff_that_the_cheeks_beside_its_cut_out_sway
 
 def test_the_pull_of_the_cylinder_holds_the_knee_sideways():
     design, runs = press("toggle_press_30x30")
-    search = _Search(design, runs, COARSE)
-    pulled = search.factor("capacity", 24, _SOFT)
+    search = Search(design, runs, COARSE)
+    pulled = search.factor("capacity", 24, SOFT)
     efforts = {**runs["capacity"].efforts, "cylinder": np.zeros(25)}
-    without = _Search(design, {"capacity": replace(runs["capacity"], efforts=efforts)}, COARSE)
-    alone = without.factor("capacity", 24, _SOFT)
+    without = Search(design, {"capacity": replace(runs["capacity"], efforts=efforts)}, COARSE)
+    alone = without.factor("capacity", 24, SOFT)
     share = pulled_sideways(runs, largest_compression(runs))
     assert_allclose(alone / pulled, 1 - share, rtol=2e-3)
 
@@ -153,9 +143,9 @@ def test_no_position_has_a_lower_factor_than_the_one_that_is_told(tmp_path, turn
     )
     runs = solved(design)
     mode = worst_mode(design, runs)
-    search = _Search(design, runs, FINE)
+    search = Search(design, runs, FINE)
     factors = {
-        (case.plane, k): search.factor("turn", k, case) for case in (_IN, _SOFT) for k in range(25)
+        (case.plane, k): search.factor("turn", k, case) for case in (IN, SOFT) for k in range(25)
     }
     known = {place: factor for place, factor in factors.items() if factor is not None}
     least = min(known, key=lambda place: known[place])
@@ -168,9 +158,9 @@ def test_no_position_of_any_case_is_worse_than_those_that_are_ranked_first():
     design = read_design(DESIGNS / "slider_crank.toml")
     name, *_ = design.cycles
     design = replace(design, cycles={name: at_positions(design.cycles[name], 25)})
-    search = _Search(design, solve_cycles(design, {}), COARSE)
+    search = Search(design, solve_cycles(design, {}), COARSE)
     ranked = search.ranked()
-    for case in (_IN, _SOFT, _STIFF):
+    for case in (IN, SOFT, STIFF):
         worst = max(search.largest_inverses([(name, k) for k in range(25)], case).values())
         assert worst > 0
         assert ranked[case][0][0] == pytest.approx(worst, rel=1e-9)
@@ -179,10 +169,10 @@ def test_no_position_of_any_case_is_worse_than_those_that_are_ranked_first():
 def test_stiffer_forks_never_lower_the_factor(tmp_path):
     design = machine(tmp_path, BAR)
     runs = solved(design)
-    search = _Search(design, runs, COARSE)
+    search = Search(design, runs, COARSE)
     for k in range(25):
-        soft = search.factor("turn", k, _SOFT)
-        stiff = search.factor("turn", k, _STIFF)
+        soft = search.factor("turn", k, SOFT)
+        stiff = search.factor("turn", k, STIFF)
         assert stiff is None or (soft is not None and soft <= stiff * (1 + 1e-9))
 
 
@@ -206,7 +196,7 @@ def test_the_rod_of_a_crank_and_slider_buckles_in_the_plane_between_its_hinges(t
     """Euler and Engesser of 8 mm round steel, 161 mm long, in the plane; the crank is rigid."""
     design = machine(tmp_path, BAR)
     runs = solved(design)
-    search = _Search(design, runs, FINE)
+    search = Search(design, runs, FINE)
     length = np.hypot(144, 72)
     area, inertia = np.pi * 16, np.pi * 4**4 / 4
     column = np.pi**2 * 210e3 * inertia / length**2
@@ -215,7 +205,7 @@ def test_the_rod_of_a_crank_and_slider_buckles_in_the_plane_between_its_hinges(t
     for k in (4, 12, 20):
         axial = forces.axial(k)
         assert axial.max() < 0
-        found = search.factor("turn", k, _IN)
+        found = search.factor("turn", k, IN)
         assert_allclose(found, critical / -axial.mean(), rtol=3e-3)  # inertia varies along it
 
 
@@ -276,8 +266,8 @@ def test_twice_the_force_halves_the_factor():
         },
         efforts={name: 2 * effort for name, effort in run.efforts.items()},
     )
-    one, two = (_Search(design, {"capacity": r}, COARSE) for r in (run, twice))
-    for case in (_IN, _SOFT):
+    one, two = (Search(design, {"capacity": r}, COARSE) for r in (run, twice))
+    for case in (IN, SOFT):
         halves = two.factor("capacity", 24, case)
         assert halves == pytest.approx(one.factor("capacity", 24, case) / 2, rel=1e-9)
 
@@ -369,12 +359,12 @@ def test_a_crank_that_turns_round_holds_a_four_bar_that_would_swing_about_its_su
     (tmp_path / "four_bar.toml").write_text(FOUR_BAR, encoding="utf-8")
     design = read_design(tmp_path / "four_bar.toml")
     runs = solved(design)
-    search = _Search(design, runs, COARSE)
+    search = Search(design, runs, COARSE)
     search._forces = {
         name: forces_of(search.model, JointRows(search.model, run)) for name, run in runs.items()
     }
     with pytest.raises(ValueError, match="can move without strain"):
-        search.factor("turn", 0, _SOFT)
+        search.factor("turn", 0, SOFT)
     mode = worst_mode(design, runs)
     assert mode.compression > 1e3
     assert mode.plane == "out of plane"
@@ -383,7 +373,7 @@ def test_a_crank_that_turns_round_holds_a_four_bar_that_would_swing_about_its_su
 
 def test_a_four_bar_that_soft_forks_let_swing_about_its_supports_is_open(tmp_path, monkeypatch):
     """The same on pins in place of a shaft, its forks unstated: any other check goes on."""
-    monkeypatch.setattr("checks.columns.linkage_frame.shafts", lambda _: frozenset())
+    monkeypatch.setattr("checks.columns.linkage_search.shafts", lambda _: frozenset())
     (tmp_path / "four_bar.toml").write_text(FOUR_BAR, encoding="utf-8")
     design = read_design(tmp_path / "four_bar.toml")
     runs = solved(design)
@@ -401,7 +391,7 @@ def test_a_four_bar_that_soft_forks_let_swing_about_its_supports_is_open(tmp_pat
 @pytest.mark.slow
 def test_a_crank_whose_block_nothing_else_holds_sideways_is_held_by_the_slot(monkeypatch):
     """Quick return, were its crank no shaft: it is pinned to the ground and to the block only."""
-    monkeypatch.setattr("checks.columns.linkage_frame.shafts", lambda _: frozenset())
+    monkeypatch.setattr("checks.columns.linkage_search.shafts", lambda _: frozenset())
     design = read_design(DESIGNS / "quick_return.toml")
     cycle = at_positions(design.cycles["at_10_loaded"], 37)
     design = replace(design, cycles={"at_10_loaded": cycle})

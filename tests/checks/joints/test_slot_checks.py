@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from checks.by_formula import slot_pressure
-from checks.by_formula.slot_pressure import FIRST_YIELD, HertzBody, line_contact
+from checks.by_formula.slot_pressure import FIRST_YIELD
 from checks.design.errors import DesignError
 from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
@@ -66,12 +66,20 @@ def test_a_pin_on_a_flank_presses_as_hertz_says(tmp_path):
     by_hand = np.sqrt(100.0 * 210e3 / (2 * 0.91) / (np.pi * 6))
     assert_allclose(found.value, by_hand, rtol=1e-9)
     assert_allclose(by_hand, 782.4, atol=0.1)
-    steel = 210e3, 0.3
-    kernel = line_contact(100.0, HertzBody(np.inf, *steel), HertzBody(6.0, *steel))
-    assert_allclose(found.value, kernel.peak_pressure, rtol=1e-12)
-    assert_allclose(found.derivation.number("b"), kernel.half_width, rtol=1e-12)
+    carried = np.pi / 2 * found.derivation.number("b") * found.value
+    assert_allclose(carried, 100.0, rtol=1e-12)  # the elliptic pressure's resultant
     assert_allclose(found.limit, 1.67 * 275, rtol=5e-3)
     assert (found.kind, found.position) == ("contact", "k = 1")
+
+
+def test_a_roller_on_a_flat_has_the_width_and_pressure_of_hertz(tmp_path):
+    """FE-20, line: R = 10 mm, 100 N/mm; ten digits of the closed form, six of the shear's."""
+    text = 'contacts = { slot = { radius = "10 mm" } }'
+    (found,) = checks_of(lever(tmp_path, text, "parts.lever.slot_width=20 mm"), 800.0)
+    assert_allclose(found.derivation.number("b"), 0.1050463837, rtol=1e-9)
+    assert_allclose(found.value, 606.0368288, rtol=1e-9)
+    # 0.300283 p0 and 0.786152 b
+    assert "0.21 mm wide; largest shear 182 MPa at 0.083 mm depth; even along" in found.note
 
 
 def test_yield_under_a_line_contact_begins_at_1_67_times_the_yield_stress():
@@ -124,7 +132,7 @@ def test_a_couple_on_the_block_presses_its_end_more(tmp_path):
 
 def test_a_roller_that_its_load_would_flatten_is_refused(tmp_path):
     design = lever(tmp_path, 'contacts = { slot = { radius = "0.001 mm" } }')
-    with pytest.raises(DesignError, match=r"parts\.lever\.contacts\.slot\.radius: .*Hertz"):
+    with pytest.raises(DesignError, match=r"contacts\.slot\.radius: .* of 0\.001 mm .*Hertz"):
         checks_of(design, 8000.0)
 
 
