@@ -31,7 +31,6 @@ from checks.stress.duty_verdict import WHOLE_DUTY, DutyVerdict, FatiguePeak, dut
 from checks.stress.judged import Judged, RaisedInBores, Under, direct_under
 from checks.stress.solid_mesh_level import Level
 from checks.stress.stress_result import Stressed
-from fatigue.proportionality import PROPORTIONAL
 from fem.recovery import von_mises
 from geometry.mesh import FloatArray, IntArray
 
@@ -290,19 +289,34 @@ class FkmUse(FatigueUse):
     def band(self, level: Stressed) -> tuple[float, str]:
         """How far Findley's criterion with the same component strength lies above, MPa.
 
-        The guideline's chain judges the longest chord of a path only.
+        The guideline's chain judges the longest chord of a path only. Of all points on all paths:
+        the worst by planes need not be the worst by chords.
         """
-        found = self.found(level)
-        if found.width <= PROPORTIONAL:
+        duty, criterion, own = level.judged_duty, fatigue.findley_criterion(), self.strength
+        slopes = slopes_of(_solid(level).solutions)
+        demand = most = self.found(level).demand
+        for name, run in duty.runs.items():
+            single, path = duty.verdicts[name], np.ascontiguousarray(duty.coefficients[:, run])
+            known = np.isfinite(single.plane_utilisation)
+            bound = np.where(known, single.plane_utilisation, single.plane_bound) * own.reference
+            points = np.flatnonzero(bound * (1.0 + _ROUND_OFF) > most)
+            if not len(points):
+                continue
+            judged = fkm_points(own, duty.basis, path, points, slopes)
+            # over the reference, which has no support
+            stronger = own.limit(judged.gradient).limit * own.endurance_share / own.reference
+            bound = bound[points] * (1.0 + _ROUND_OFF) / stronger
+            for row in np.argsort(-bound, kind="stable"):
+                if bound[row] <= most:
+                    break
+                limit = criterion.limit_ratio * float(stronger[row])
+                stress = duty.basis[points[row]] @ path
+                plane = fatigue.critical_plane(stress, criterion.k, floor=most * limit)
+                most = max(most, plane.value / limit)
+        if most <= demand:
             return 0.0, ""
-        duty = level.judged_duty
-        criterion = fatigue.findley_criterion()
-        path = np.ascontiguousarray(duty.coefficients[:, duty.runs[found.run]])
-        plane = fatigue.critical_plane(duty.basis[found.point] @ path, criterion.k)
-        strength = float(found.limit.limit) * self.strength.endurance_share
-        by_plane = plane.value / (criterion.limit_ratio * strength) * self.strength.reference
-        said = "the path is not proportional, FKM judges its longest chord only: by Findley's plane"
-        return max(0.0, by_plane - found.demand), f"{said} {by_plane:.4g} MPa"
+        said = "paths are not proportional, FKM judges longest chords only: by Findley's planes"
+        return most - demand, f"{said} {most:.4g} MPa"
 
     def scatter(self, level: Level, *, of_edges: bool = True) -> float:
         """Scatter of amplitude and mean, as they enter the quantity, MPa."""

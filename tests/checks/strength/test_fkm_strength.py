@@ -9,12 +9,13 @@ from numpy.testing import assert_allclose
 from ballesta.machine.solved_cycles import solve_cycles
 from checks.design.strength import FkmStrength
 from checks.part.part_loads import loads_on
+from checks.strength import fatigue_assessment
 from checks.strength.fatigue_assessment import FkmUse
 from checks.strength.fkm_strength import fkm_judgement, fkm_points, slopes_of
 from checks.strength.part_strength import elastic_of, endurance_of
-from checks.stress.duty_verdict import JOINED, duty_runs
+from checks.stress.duty_verdict import JOINED, duty_runs, duty_verdict
 from checks.stress.solid_mesh_level import Models, solve_level
-from fatigue import FkmMaterial
+from fatigue import FkmMaterial, findley_criterion
 from fem.gradient import SurfaceSlopes
 from fem.unit_solutions import Elastic, determinate_hold
 from geometry.shape import Half
@@ -382,3 +383,35 @@ def test_the_facts_of_a_part_follow_by_hand_from_its_stress_and_its_gradient(rod
     growth = (1 + M) / (1 + M / 3) * (1 + M / 3 * ratio)
     assert found.utilisation == pytest.approx(amplitude * growth / limit, rel=1e-4)
     assert facts["FKM group, survival"] == "steel, 97.5 %"
+
+
+def test_the_band_has_the_point_that_is_worst_by_planes(monkeypatch):
+    """A reversed pull of 100 MPa, and one of 95 MPa with torsion a quarter of a cycle later.
+
+    Both have one chord, the second one's shorter; its plane across the pull has 95/sqrt 3 of shear
+    and k 95 of normal stress, against (sqrt(1 + k^2) + k)/2 of the limit of a pull alone.
+    """
+    turn = np.linspace(0.0, 2.0 * np.pi, 65)
+    coefficients = np.stack([np.cos(turn), np.sin(turn)])
+    basis = np.zeros((2, 6, 2))
+    basis[0, 0, 0] = 100.0
+    basis[1, 0, 0], basis[1, 3, 1] = 95.0, 95.0 / sqrt(3.0)
+    limits = np.full(2, S275.reference)
+    duty = duty_verdict(basis, coefficients, limits, S275.reference, 430.0, {"a": np.arange(65)})
+
+    class Even:
+        judged_duty, solutions = duty, None
+
+    level = Even()
+    monkeypatch.setattr(fatigue_assessment, "_solid", lambda level: level)
+    monkeypatch.setattr(
+        fatigue_assessment, "slopes_of", lambda _: lambda points: np.zeros((len(points), 6, 2))
+    )
+    use = FkmUse(None, S275.reference, 430.0, S275)
+    demand = use.found(level).demand
+    k = findley_criterion().k
+    by_hand = 95.0 * (1.0 / sqrt(3.0) + k) / ((sqrt(1.0 + k**2) + k) / 2.0)
+    more, said = use.band(level)
+    assert use.found(level).point == 0
+    assert (demand + more) / demand >= by_hand / 100.0 > 1.1
+    assert "Findley" in said
