@@ -334,8 +334,9 @@ def _tabled(motion: Motion, name: str, table: Table) -> FloatArray:
         wrap = "; angles are not wrapped, let the table go on" if coordinate.angular else ""
         raise LinkageError(
             f"force {name!r}: its table goes from {in_words(coordinate, low)} to "
-            f"{in_words(coordinate, high)} of {coordinate.label} and does not cover "
-            f"{in_words(coordinate, float(places[outside][0]))}{wrap}"
+            f"{in_words(coordinate, high)} of {coordinate.label}, the phase from "
+            f"{in_words(coordinate, float(places.min()))} to "
+            f"{in_words(coordinate, float(places.max()))}{wrap}"
         )
     return np.interp(places, table.values, table.forces)
 

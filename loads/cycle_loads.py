@@ -505,7 +505,7 @@ def by_interface(
         if place is None:
             raise LinkageError(
                 f"body {body!r}: the torque of {load.source} enters at no stated point; "
-                "state the point of its angle"
+                f"state its `at`, one of {', '.join(place for place in order if place in points)}"
             )
         if place not in order:
             raise LinkageError(

@@ -9,8 +9,9 @@ import loads
 from ballesta.design.read import read_design
 from ballesta.machine.runs import run_machine
 from checks.design.data import Design, Part
-from checks.design.errors import DesignError, NumericsError
+from checks.design.errors import DesignError
 from checks.ladder.levels import first_mesh
+from checks.ladder.part_ladder import told_of_part
 from checks.part.loaded_part import FIRST, LoadedPart
 from checks.stress.kept_models import (
     SECOND_MESH,
@@ -20,7 +21,6 @@ from checks.stress.kept_models import (
     solve_gibibytes,
 )
 from checks.stress.solid_mesh_level import Models, half_of
-from geometry.mesh import MeshError, TooManyElementsError
 
 
 @dataclass(frozen=True)
@@ -47,9 +47,12 @@ def plan(design: Design) -> list[PlannedPart]:
     models = Models()
     try:
         machine = run_machine(design, models)
-        design, runs = machine.design, machine.all
-        planned = []
-        for part in design.parts.values():
+    except loads.LinkageError as error:
+        raise DesignError(design.file, "linkage", str(error)) from error
+    design, runs = machine.design, machine.all
+    planned = []
+    for part in design.parts.values():
+        with told_of_part(design, part):
             mesh = first_mesh(part, part.geometry, FIRST * part.fineness, models)
             first = 3 * len(mesh.nodes)
             loaded = LoadedPart.of(design, part, runs, models)
@@ -68,14 +71,6 @@ def plan(design: Design) -> list[PlannedPart]:
                     max(map(solve_gibibytes, unknowns)),
                 )
             )
-    except loads.LinkageError as error:
-        raise DesignError(design.file, "linkage", str(error)) from error
-    except TooManyElementsError as error:
-        raise DesignError(design.file, "parts", str(error)) from error
-    except MeshError as error:
-        raise NumericsError(
-            str(error), str(design.file), "check the part's dimensions, or change mesh.fineness"
-        ) from error
     return planned
 
 

@@ -199,9 +199,9 @@ def _pace(
     if len(stated) > 1:
         raise ParameterError("", f"has {listed(stated)}; a stroke runs by one of them")
     if not stated:
-        raise ParameterError(
-            "", 'needs speed such as "0.1 m/s", flow such as "40 l/min", or law and time, "1.5 s"'
-        )
+        turns = coordinate is not None and coordinate.angular
+        such = '"60 rpm"' if turns else '"0.1 m/s", flow such as "40 l/min"'
+        raise ParameterError("", f'needs speed such as {such}, or law and time, "1.5 s"')
     if entry.acceleration is not None and entry.speed is None:
         read.problems.add(f"{key}.acceleration", f"follows from the {stated[0]}; leave it out")
     if entry.law is not None and entry.time is None:

@@ -494,7 +494,7 @@ class MotorEntry(Table):
     ratio: Annotated[Number, Field(ge=1e-3, le=1e5)] | None = Field(
         None,
         description="speed of the motor over the angle's; without it the one that has the cycles' "
-        "speed, if they have one, at the rated speed",
+        "speed at the rated speed",
     )
     efficiency: Annotated[Number, Field(gt=0, le=1)] = Field(1.0, description="of the gear")
 
@@ -555,7 +555,7 @@ class DriveEntry(Table):
     )
     motor: MotorEntry | None = Field(
         None,
-        description="turns the cycles, whose speed is then solved and not given",
+        description="turns the cycles, whose stated speed is then where the solution begins",
         examples=[
             '{ power = "5.5 kW", speed = "1455 rpm", free_speed = "1500 rpm", breakdown = 2.9 }'
         ],

@@ -194,3 +194,11 @@ def test_a_history_with_reaches_of_another_shape_is_refused(loads):
     with pytest.raises(ValueError, match=r"need reaches of shape \(60, 2, 2\), got \(60, 2\)"):
         replace(history, reaches=history.reaches[:, :, 0])
     assert_allclose(history.scaled(2.0).reaches, history.reaches)
+
+
+def test_a_torque_at_no_stated_point_is_refused_with_those_it_may_have():
+    linkage = lever()
+    drive, load = linkage.forces
+    turned = turn(replace(linkage, forces=(drive, replace(load, coordinate=Angle("lever")))))
+    with pytest.raises(LinkageError, match=r"stated point; state its `at`, one of O1$"):
+        turned.part_history("lever", OWN)

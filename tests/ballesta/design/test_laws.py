@@ -301,7 +301,7 @@ def refused(file):
 TABLE = 'push = { over = "crank.angle", at = ["0 deg", "360 deg"], force = ["0 N", "50 N"] }'
 REFUSED = {
     "speed and law": ((STEADY, STEADY.replace(" }", ', law = "harmonic", time = "1 s" }')), r"cycles\.bench\.pace: has speed, law; a stroke runs by one of them"),
-    "no pace": ((STEADY, 'pace = { coordinate = "crank.angle" }'), r"cycles\.bench\.pace: needs speed such as \"0\.1 m/s\", flow such as \"40 l/min\", or law and time"),
+    "no pace": ((STEADY, 'pace = { coordinate = "crank.angle" }'), r"cycles\.bench\.pace: needs speed such as \"60 rpm\", or law and time"),
     "flow of a crank": ((STEADY, 'pace = { coordinate = "crank.angle", flow = "1 l/min" }'), r"cycles\.bench\.pace\.flow: is for the length of a force between two points whose `available` has bore and rod, not for crank\.angle"),
     "cushion without flow": ((STEADY, STEADY.replace(" }", ', cushion = "1 mm" }')), r"pace\.cushion: is only used with flow; leave it out"),
     "flow with acceleration": ((STEADY, 'pace = { coordinate = "crank.angle", flow = "1 l/min", acceleration = "1 rad/s2" }'), r"pace\.acceleration: follows from the flow; leave it out"),
