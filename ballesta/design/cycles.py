@@ -318,8 +318,9 @@ def _phases(
                 f"{here}.solve",
                 f"phase {phase.name!r} both gives and solves {phase.solve}; it can only do one",
             )
-        for force in file.forces:
-            if force not in phase.forces and force != phase.solve:
+        named = {*phase.forces, phase.solve}
+        for force in file.forces if named <= file.forces.keys() else ():  # else it may be misspelt
+            if force not in named:
                 rest = "0 N" if file.forces[force].turns is None else "0 N m"
                 problems.add(
                     f"{here}.forces",

@@ -84,13 +84,11 @@ def _weld(stated: WeldEntry, geometry: Shape) -> Weld:
 
 
 def _walls_at(at: float, geometry: Shape) -> Walls:
-    if not geometry.walls:
+    if type(geometry).walls is Shape.walls:
         able = sorted(name for name, one in SHAPES.items() if one.walls is not Shape.walls)
-        raise ParameterError(
-            "at",
-            "the part has no stretch with even walls, away from holes, of which the stress at a "
-            f"weld is known; shapes that have one are {listed(able)}",
-        )
+        raise ParameterError("at", f"no weld is judged on this shape, but on {listed(able)}")
+    if not geometry.walls:
+        raise ParameterError("at", "the part has no stretch with even walls, away from holes")
     for walls in geometry.walls:
         if walls.stretch[0] <= at <= walls.stretch[1]:
             return walls

@@ -171,9 +171,9 @@ def _notes(a: Data, b: Data) -> Iterable[str]:
             yield f"{label} has no {', '.join(missing)}: not compared"
     old, new = table_of(a.get("versions")), table_of(b.get("versions"))
     changed = [
-        f"{key} {old.get(key, 'none')} → {new.get(key, 'none')}"
-        for key in dict.fromkeys([*old, *new])
-        if old.get(key) != new.get(key)
+        f"{key} {old[key]} → {new[key]}"
+        for key in old
+        if key in new and old[key] != new[key]  # formulas need no solver
     ]
     if changed:
         yield f"made with different versions, which may change numbers: {', '.join(changed)}"

@@ -200,7 +200,5 @@ def test_a_torque_at_no_stated_point_is_refused_with_those_it_may_have():
     linkage = lever()
     drive, load = linkage.forces
     turned = turn(replace(linkage, forces=(drive, replace(load, coordinate=Angle("lever")))))
-    with pytest.raises(
-        LinkageError, match=r"force 'load' .* stated point; state its `at`, one of O1$"
-    ):
+    with pytest.raises(LinkageError, match=r"stated point; state its `at`, one of O1$"):
         turned.part_history("lever", OWN)

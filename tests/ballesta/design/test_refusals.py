@@ -146,6 +146,17 @@ def test_several_problems_are_all_told_and_an_inherited_one_once(tmp_path):
     assert len(str(caught.value).splitlines()) == 2
 
 
+def test_a_misspelt_force_is_told_without_what_follows_from_it(tmp_path):
+    """The force that is meant stands nowhere, so it was told as neither given nor solved, too."""
+    with pytest.raises(DesignErrors) as caught:
+        read(
+            tmp_path,
+            ('forces = { process = "0 N" }', 'forces = { proces = "0 N" }'),
+            ('solve = "process" ', 'solve = "proces" '),
+        )
+    assert all("did you mean process?" in str(error) for error in caught.value.errors)
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [

@@ -218,6 +218,13 @@ def test_a_result_of_another_version_is_compared_as_far_as_it_goes(one):
     assert not any("cycle" in name or "linkage" in name for name in found.only_b)
 
 
+def test_a_formula_beside_a_solid_is_no_other_version(one):
+    solid = copy.deepcopy(one)
+    solid["versions"] |= {"solver": "CHOLMOD"}
+    one["versions"].pop("solver", None)
+    assert not any("versions" in note for note in difference(solid, one).notes)
+
+
 def test_values_that_look_alike_get_as_many_digits_as_tell_them_apart(one):
     other = copy.deepcopy(one)
     other["parts"][0]["facts"]["mass [kg]"] *= 1 + 1e-6

@@ -486,8 +486,11 @@ def test_only_steel_is_judged(tmp_path):
 
 
 def test_a_shape_without_walls_is_refused(tmp_path):
-    with pytest.raises(DesignError, match=r"welds\[0\]\.at: the part has no stretch with even walls, .* "
-                       r"are plate_link, prismatic_tube, toggle_bar, tube_rod"):  # fmt: skip
+    told = (
+        r"welds\[0\]\.at: no weld is judged on this shape, "
+        r"but on plate_link, prismatic_tube, toggle_bar, tube_rod"
+    )
+    with pytest.raises(DesignError, match=told):
         lever(tmp_path, 'welds = [{ at = "40 mm", category = "36 MPa" }]')
 
 
