@@ -189,19 +189,58 @@ class Screening:
         """
         overrides = overrides_of(variation)
         try:
-            varied = read_design(self.design.file, (*self.design.overrides, *overrides))
-            rubbing = {} if anew else self.rubbing
-            return _checked(
-                self,
-                varied,
-                overrides,
-                rubbing,
-                parts,
-                formulas,
-                linkage,
-                reserves or {},
-                only_materials,
-                failed or (lambda _: False),
+            design = read_design(self.design.file, (*self.design.overrides, *overrides))
+            masses = part_masses(design, self.models)
+            design, solved, afresh = self.solve(design, masses)
+            solved = transients_of(design, solved, every=False).cycles
+            runs: dict[str, loads.CycleLoads | loads.MeasuredLoads] = {
+                **solved,
+                **measured_loads(design, masses),
+            }
+            checks: list[Check] = []
+            gates: list[Gate] = []
+            left: dict[str, str] = {}
+            rubbed: dict[str, LeafBand] = {}
+            for part in design.parts.values():
+                with told_of_part(design, part):
+                    body = self.models.body(part.geometry)
+                    if parts is not None and part.name not in parts:
+                        continue
+                    if reserves and self.spares(
+                        design, part, loads_on(design, part, runs), reserves[part.name]
+                    ):
+                        continue
+                    loaded = LoadedPart.of(design, part, runs, self.models)
+                    if not self.between:
+                        loaded = loaded.under(replace(loaded.loads, path=None))
+                    climb = start_climb(loaded, None if anew else self.rubbing.get(part.name))
+                    keeps = only_materials and self.has_stress_of(part, solved)
+                    if keeps:
+                        climb.model = self.stress.get(part.name)
+                    if not formulas:
+                        climb.asked = tuple(kind for kind in climb.asked if kind != BUCKLING)
+                    before = len(checks)
+                    why = _check_part(climb, body, checks, gates)
+                    if keeps and climb.model is not None:
+                        self.stress[part.name] = climb.model
+                    rubbed |= {} if climb.leaves is None else {part.name: climb.leaves}
+                    if formulas and not (failed and failed(checks[before:])):
+                        checks += formula_checks(loaded)
+                if why:
+                    left[part.name] = why
+            mode = worst_mode(design, solved) if linkage else None
+            if mode is not None:
+                checks.append(linkage_check(design, mode.under(design.load_factor)))
+            if linkage:
+                checks += cylinder_checks(design, runs)
+            return Screened(
+                overrides=overrides,
+                checks=checks,
+                gates=gates,
+                masses=self.weights(design),
+                open=left,
+                rubbing=rubbed,
+                afresh=afresh,
             )
         except (DesignError, NumericsError) as error:
             return Screened(overrides=overrides, problem=str(error))
@@ -253,72 +292,6 @@ def _bent_by(design: Design, part: Part) -> list[tuple[Part, list[Elastic]]]:
         for pin in design.parts.values()
         if pin.joint is not None and pin.joint in part.interfaces.values()
     ]
-
-
-def _checked(
-    known: Screening,
-    design: Design,
-    overrides: tuple[str, ...],
-    rubbing: Mapping[str, LeafBand],
-    parts: Collection[str] | None,
-    formulas: bool,
-    linkage: bool,
-    reserves: Mapping[str, float],
-    only_materials: bool,
-    failed: Failed,
-) -> Screened:
-    masses = part_masses(design, known.models)
-    design, solved, afresh = known.solve(design, masses)
-    solved = transients_of(design, solved, every=False).cycles
-    runs: dict[str, loads.CycleLoads | loads.MeasuredLoads] = {
-        **solved,
-        **measured_loads(design, masses),
-    }
-    checks: list[Check] = []
-    gates: list[Gate] = []
-    left: dict[str, str] = {}
-    rubbed: dict[str, LeafBand] = {}
-    for part in design.parts.values():
-        with told_of_part(design, part):
-            body = known.models.body(part.geometry)
-            if parts is not None and part.name not in parts:
-                continue
-            if reserves and known.spares(
-                design, part, loads_on(design, part, runs), reserves[part.name]
-            ):
-                continue
-            loaded = LoadedPart.of(design, part, runs, known.models)
-            if not known.between:
-                loaded = loaded.under(replace(loaded.loads, path=None))
-            climb = start_climb(loaded, rubbing.get(part.name))
-            keeps = only_materials and known.has_stress_of(part, solved)
-            if keeps:
-                climb.model = known.stress.get(part.name)
-            if not formulas:
-                climb.asked = tuple(kind for kind in climb.asked if kind != BUCKLING)
-            before = len(checks)
-            why = _check_part(climb, body, checks, gates)
-            if keeps and climb.model is not None:
-                known.stress[part.name] = climb.model
-            rubbed |= {} if climb.leaves is None else {part.name: climb.leaves}
-            if formulas and not failed(checks[before:]):
-                checks += formula_checks(loaded)
-        if why:
-            left[part.name] = why
-    mode = worst_mode(design, solved) if linkage else None
-    if mode is not None:
-        checks.append(linkage_check(design, mode.under(design.load_factor)))
-    if linkage:
-        checks += cylinder_checks(design, runs)
-    return Screened(
-        overrides=overrides,
-        checks=checks,
-        gates=gates,
-        masses=known.weights(design),
-        open=left,
-        rubbing=rubbed,
-        afresh=afresh,
-    )
 
 
 def _check_part(climb: Climb, body: SolidBody, checks: list[Check], gates: list[Gate]) -> str:
