@@ -1,6 +1,5 @@
 """Tables of a design file about others: columns of measured loads, holes of a STEP file."""
 
-import re
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
@@ -17,11 +16,11 @@ from checks.design.units import (
     PositiveLength,
     Vector,
     measure,
+    measure_each,
 )
 
 Triple = tuple[float, float, float]
 STEP_SUFFIXES = (".step", ".stp")
-_NUMBER_AND_UNIT = re.compile(r"\s*[+-]?[\d.]+(?:[eE][+-]?\d+)?\s*(\S.*?)?\s*")
 
 
 @dataclass(frozen=True)
@@ -34,16 +33,11 @@ class Point(Marker):
         pieces = value.split(",") if isinstance(value, str) else []
         if len(pieces) != 3:
             raise ValueError(must_be)
-        last = _NUMBER_AND_UNIT.fullmatch(pieces[2])
-        unit = last[1] if last is not None and last[1] else ""
         try:
-            x, y, z = (
-                measure(piece.strip() if _has_unit(piece) else f"{piece.strip()} {unit}", "length")
-                for piece in pieces
-            )
+            x, y, z = measure_each(pieces, "length")
         except ValueError as error:
             raise ValueError(f"{must_be}: {error}") from None
-        return x.value, y.value, z.value
+        return x, y, z
 
     def json_schema(self) -> dict[str, Any]:
         """Schema of the text, for editors."""
@@ -65,11 +59,6 @@ class PositiveVector(Vector):
         if not min(pair) > 0:
             raise ValueError(f'must be above 0 mm both, got "{value}"')
         return pair
-
-
-def _has_unit(piece: str) -> bool:
-    found = _NUMBER_AND_UNIT.fullmatch(piece)
-    return found is not None and found[1] is not None
 
 
 def _a_table(value: object) -> object:

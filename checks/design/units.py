@@ -8,7 +8,7 @@ and describe themselves in its JSON schema.
 import math
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from operator import ge, gt, le, lt
@@ -291,6 +291,19 @@ def measure(value: object, *accepted: str) -> Measured:
     raise ValueError(f"{must_be}, which is {_title(unit)}")
 
 
+def measure_each(texts: Sequence[str], dimension: str) -> list[float]:
+    """Convert several texts; the unit of the last one serves those before it that have none.
+
+    >>> measure_each(["200", "1 m"], "length")
+    [200000.0, 1000.0]
+    """
+    last = _QUANTITY.fullmatch(texts[-1])
+    unit = f" {last[2]}" if last is not None else ""
+    bare = (re.fullmatch(rf"\s*{_NUMBER}\s*", text) for text in texts)
+    whole = (f"{text}{unit}" if alone else text for text, alone in zip(texts, bare, strict=True))
+    return [measure(text.strip(), dimension).value for text in whole]
+
+
 def measure_pair(value: object, dimension: str) -> Pair:
     """Convert text such as "200, 150 mm" to two numbers in ballesta's units."""
     unit = DIMENSIONS[dimension].unit if dimension else ""
@@ -309,11 +322,8 @@ def measure_pair(value: object, dimension: str) -> Pair:
         if not (math.isfinite(x) and math.isfinite(y)) or math.hypot(x, y) == 0.0:
             raise ValueError(f"{must_be}, which is no direction")
         return x / math.hypot(x, y), y / math.hypot(x, y)
-    last = _QUANTITY.fullmatch(parts[1])
-    if last is not None and re.fullmatch(rf"\s*{_NUMBER}\s*", parts[0]):
-        parts[0] = f"{parts[0]} {last[2]}"  # one unit serves both
     try:
-        x, y = (measure(part.strip(), dimension).value for part in parts)
+        x, y = measure_each(parts, dimension)
     except ValueError as error:
         raise ValueError(f"{must_be}: {error}") from None
     return x, y
@@ -416,11 +426,8 @@ class FitOrClearance(Marker):
         if "/" in value:
             return value.strip()
         ends = value.split("..") if ".." in value else [value, value]
-        last = _QUANTITY.fullmatch(ends[-1])
-        if last is not None and re.fullmatch(rf"\s*{_NUMBER}\s*", ends[0]):
-            ends[0] = f"{ends[0]} {last[2]}"  # one unit serves both
         try:
-            least, largest = (measure(end.strip(), "length").value for end in ends)
+            least, largest = measure_each(ends, "length")
         except ValueError:
             raise ValueError(wanted) from None
         if not 0.0 <= least <= largest or (self.pressed and not least):
