@@ -232,7 +232,7 @@ def check_to_folder(
     reading = perf_counter() - start
     with told_of_folder(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    prepare_drawing()
+    prepare_drawing(stress=effort.shows_stress)
 
     from ballesta.pipeline import check_with_cycles
     from ballesta.sweeps.improve import with_changes

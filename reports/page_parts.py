@@ -17,7 +17,7 @@ from reports.gauge import gauge
 from reports.live.section import estimate_of
 from reports.page_words import Place, capitalise, doubt_of, place_of, shown_of
 from reports.pictures import Pictures, stress_field
-from reports.pictures_worker import ESTIMATE, PLAIN
+from reports.plain_still import ESTIMATE, PLAIN
 
 ORDER = (Status.FAIL, Status.UNDECIDED, Status.PASS)  # worst first
 _ALIKE = 0.01  # of a value: parts that differ by more are told one by one

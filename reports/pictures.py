@@ -23,7 +23,7 @@ from checks.result.words import clean
 from fem.threads import ONE_THREAD
 from geometry import INSTALL
 from geometry.progress import signal_name
-from reports.pictures_worker import AHEAD, ESTIMATE, PLAIN
+from reports.plain_still import AHEAD, ESTIMATE, PLAIN
 
 
 @dataclass(frozen=True)
@@ -91,9 +91,11 @@ class StandingWorker:
 
     def hand(self, folder: Path) -> None:
         """Hand it a folder to draw; `answer` reports the outcome."""
-        if self._process is not None and self._process.stdin is not None:
-            with suppress(OSError):
-                self._process.stdin.write(_line(folder))
+        self._tell(_line(folder))
+
+    def prepare(self) -> None:
+        """Have it load the modules that only some folders need."""
+        self._tell(b"\n")
 
     def answer(self, folder: Path, timeout: float) -> Ended:
         """Wait until the folder is drawn, or the worker has ended, for at most `timeout` seconds.
@@ -125,6 +127,11 @@ class StandingWorker:
                     with suppress(OSError):
                         stream.close()
         self._said.close()
+
+    def _tell(self, line: bytes) -> None:
+        if self._process is not None and self._process.stdin is not None:
+            with suppress(OSError):
+                self._process.stdin.write(line)
 
     def _listen(self) -> None:
         assert self._process is not None
@@ -200,12 +207,16 @@ class Pictures:
     reason: str = ""
 
 
-def prepare_drawing(worker: Sequence[str] = _WORKER) -> None:
+def prepare_drawing(worker: Sequence[str] = _WORKER, *, stress: bool = True) -> None:
     """Start the process that draws, so that it loads its libraries beside other work.
+
+    stress  True if stills of stress are likely, which need graphics libraries
 
     It draws for every design that this process checks, and ends with it.
     """
-    _standing(worker)
+    process = _standing(worker)
+    if stress:
+        process.prepare()
 
 
 _ahead: list[Path] = []  # removed by the process that draws, or at our end

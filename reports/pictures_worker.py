@@ -1,6 +1,6 @@
 """Draws for `reports.pictures`: folders come in as lines, and go out when all in them is drawn.
 
-It loads the graphics libraries before the first comes.
+An empty line has it load the graphics libraries, which it else does when a still first needs them.
 
 A folder holds jobs.json (field, views) and part_<i>.npz (nodes, triangles, values, peak), and
 receives part_<i>_<view>.png: "peak" from near, any other view of the whole surface, "plain" without
@@ -14,26 +14,28 @@ import os
 import shutil
 import signal
 import sys
-from functools import cache
 from hashlib import sha256
-from importlib.resources import files
 from io import BytesIO
 from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from PIL import PngImagePlugin  # noqa: F401 (each still needs it: loaded beside other work)
 
 from geometry.mesh import FloatArray
+from reports.plain_still import (
+    AHEAD,
+    ESTIMATE,
+    FACES,
+    LIGHTING,
+    LINES,
+    MARK,
+    PLAIN,
+    plain_still,
+    sharp_edges,
+)
 
-PLAIN, ESTIMATE = "plain", "estimate"  # views of a part that was not meshed
-AHEAD = "ahead"  # a file of a folder that is not waited for
-LIGHTING = "light kit"
-# Much ambient light: shading tells the shape, and must not change what a colour says.
-FACES = {"smooth_shading": False, "ambient": 0.6, "diffuse": 0.42, "specular": 0.0}
-LINES = {"color": "black", "line_width": 1.5, "opacity": 0.6, "lighting": False}
-MARK = "#d81b60"  # colour of the dot on the largest value
-SHARP = 35.0  # deg, by which a surface turns at an edge that is drawn
 SIZE = (900, 600)
 _ISOMETRIC = np.array([1.0, -1.3, 0.9]) / np.linalg.norm([1.0, -1.3, 0.9])
 _SCENE = 0.83  # of the width, the rest is the scalar bar's
@@ -45,8 +47,10 @@ def main() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent: it ends our input
     answers = os.fdopen(os.dup(1), "wb", buffering=0)
     os.dup2(2, 1)  # what a library prints is no answer
-    _draw_a_tetrahedron()
     for line in sys.stdin.buffer:
+        if not line.strip():
+            _draw_a_tetrahedron()
+            continue
         folder = Path(os.fsdecode(line.rstrip(b"\n")))
         if (folder / AHEAD).is_file():
             draw_ahead(folder)
@@ -108,43 +112,21 @@ def _draw_a_tetrahedron() -> None:
     still({"nodes": nodes, "triangles": triangles, "values": nodes[:, 0], "peak": 1}, "x", "whole")
 
 
-@cache
-def colour_maps() -> dict[str, Any]:
-    """Maps by name: of matplotlib, as base64 of 256 times red, green, blue; and "use".
-
-    That of utilisations has the colours `low` up to 1 and `high` above, each evenly spread; of 256
-    of them `least` is the last of `low` where little or nothing is above 1.
-    """
-    text = files("reports.live").joinpath("colour_maps.json").read_text(encoding="utf-8")
-    return dict(json.loads(text))
-
-
-def use_colours(uses: FloatArray, end: float) -> FloatArray:
-    """Red, green, blue (n, 3), 0 to 255, of utilisations (n,); end of their scale, above 1."""
-    low, high = (np.array(colour_maps()["use"][name]) for name in ("low", "high"))
-    over = uses[:, None] > 1
-    return np.where(over, _between(high, (uses - 1) / (end - 1)), _between(low, uses))
-
-
-def _between(stops: FloatArray, share: FloatArray) -> FloatArray:
-    return np.stack([np.interp(share, np.linspace(0, 1, len(stops)), c) for c in stops.T], axis=1)
-
-
-def sharp_edges(surface: Any) -> Any:
-    """The edges of a pyvista surface that are drawn as lines: sharp ones, and its border."""
-    return surface.extract_feature_edges(
-        feature_angle=SHARP, manifold_edges=False, non_manifold_edges=False
-    )
-
-
 def still(data: dict[str, Any], field: str, view: str) -> bytes:
     """PNG of one view of a surface, coloured by its values unless it is to be plain."""
+    nodes, triangles, peak = data["nodes"], data["triangles"], int(data["peak"])
+    if view == PLAIN:
+        return plain_still(nodes, triangles, _ISOMETRIC, SIZE, _SCENE)
+    if view == ESTIMATE:
+        direction, _ = corner_view(nodes, triangles, peak)
+        return plain_still(nodes, triangles, direction, SIZE, _SCENE, data["values"])
     import pyvista as untyped
     from PIL import Image
 
     pyvista: Any = untyped
-    nodes, triangles, peak = data["nodes"], data["triangles"], int(data["peak"])
-    surface = pyvista.PolyData.from_regular_faces(nodes, triangles)
+    faces = np.column_stack([np.full(len(triangles), 3), triangles]).ravel()
+    surface = pyvista.PolyData(nodes, faces)
+    surface.point_data[field] = data["values"]
     plotter = pyvista.Plotter(
         off_screen=True, window_size=list(SIZE), lighting=LIGHTING, shape=(1, 2),
         col_weights=[_SCENE, 1 - _SCENE], border=False,
@@ -152,9 +134,8 @@ def still(data: dict[str, Any], field: str, view: str) -> bytes:
     plotter.set_background("white", all_renderers=True)
     plotter.subplot(0, 0)
     actor = plotter.add_mesh(
-        surface, scalars=None if view == PLAIN else data["values"], color="lightgrey", **FACES,
-        cmap=_use_table(pyvista, data["values"]) if view == ESTIMATE else "viridis",
-        nan_color="lightgrey", show_scalar_bar=False,
+        surface, scalars=field, cmap="viridis", **FACES, nan_color="lightgrey",
+        show_scalar_bar=False,
     )  # fmt: skip
     seen = view_of if view == "peak" else corner_view
     direction, hidden = seen(nodes, triangles, peak)
@@ -163,26 +144,15 @@ def still(data: dict[str, Any], field: str, view: str) -> bytes:
     if edges.n_points:
         edges.points += 2e-3 * diagonal * direction  # clear of the faces they bound
         plotter.add_mesh(edges, **LINES)
-    if view not in (PLAIN, ESTIMATE):
-        _mark_peak(plotter, data, field, direction, hidden)
+    _mark_peak(plotter, data, field, direction, hidden)
     _place_camera(plotter, nodes, peak, direction, view)
     plotter.enable_anti_aliasing("ssaa")
-    if view != PLAIN:
-        unit = ESTIMATE if view == ESTIMATE else _quantity_and_unit(field)[1]
-        _add_scalar_bar(plotter, actor.mapper, unit)
+    _add_scalar_bar(plotter, actor.mapper, field)
     picture = plotter.screenshot(None, return_img=True)
     plotter.close()
     out = BytesIO()
     Image.fromarray(picture).save(out, format="PNG")
     return out.getvalue()
-
-
-def _use_table(pyvista: Any, uses: FloatArray) -> Any:
-    """Colours of utilisations, from 0 to the largest that their scale has."""
-    end = max(255 / (colour_maps()["use"]["least"] + 0.5), float(uses.max()))
-    colours = use_colours((np.arange(256) + 0.5) * end / 256, end)
-    opaque = np.column_stack([np.rint(colours), np.full(256, 255)]).astype(np.uint8)
-    return pyvista.LookupTable(values=opaque, scalar_range=(0.0, end))
 
 
 def _mark_peak(
@@ -202,7 +172,8 @@ def _mark_peak(
     label.prop.background_color, label.prop.background_opacity = "white", 0.85
 
 
-def _add_scalar_bar(plotter: Any, mapper: Any, unit: str) -> None:
+def _add_scalar_bar(plotter: Any, mapper: Any, field: str) -> None:
+    _, unit = _quantity_and_unit(field)
     plotter.subplot(0, 1)
     plotter.add_scalar_bar(
         unit or " ", mapper=mapper, color="black", vertical=True, fmt="%.3g", n_labels=6,

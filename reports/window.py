@@ -23,7 +23,7 @@ from geometry import INSTALL
 from geometry.mesh import FloatArray
 from reports.files import write_whole
 from reports.pictures import run_worker, without_display
-from reports.pictures_worker import FACES, LIGHTING, LINES, MARK, sharp_edges
+from reports.plain_still import FACES, LIGHTING, LINES, MARK, sharp_edges
 
 FIELDS = {
     "von Mises stress [MPa]": "mises",

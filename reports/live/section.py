@@ -16,7 +16,7 @@ from checks.result.verdict import Check, DesignResult, PartResult, Surface, deci
 from checks.result.words import brief, clean, number, place_text
 from reports.live.encode import TOLERANCE, encode
 from reports.page_words import JUDGED_BY, STATIC, deciding_place, shown_of
-from reports.pictures_worker import colour_maps
+from reports.plain_still import colour_maps
 from reports.templating import json_markup, packed_json, page_template, series
 
 FORMAT = "ballesta-live/1"

@@ -9,7 +9,7 @@ import pytest
 
 from checks.result.live_fields import von_mises
 from reports.live.section import live_payload
-from reports.pictures_worker import colour_maps, use_colours
+from reports.plain_still import colour_maps, use_colours
 
 from . import sections
 from .conftest import pixels, role, settle

@@ -25,7 +25,7 @@ from reports.live.section import (
     peak_tables,
     rows_of,
 )
-from reports.pictures_worker import colour_maps
+from reports.plain_still import colour_maps
 from reports.templating import LIVE, series
 
 from .. import results
