@@ -21,7 +21,8 @@ from loads.path import Path, assemble, trace
 _POSITIONS = 400
 _DOUBLINGS = 200
 _TOGETHER = 34  # places between which a sign changes, asked together
-_CLOSE = 1e-12  # of a stiffness
+_HALVINGS = 200
+_CLOSE = 1e-10  # of a force, or of a stiffness
 _STEP = 0.1  # of the size of the linkage, the first way looked ahead
 
 
@@ -57,8 +58,6 @@ def pull_through(
     None where the way from the assembled pose has no dead centre of the process, or does not come
     by the touch before it. Raises LinkageError where friction locks the linkage on the way.
     """
-    from scipy.optimize import brentq  # a quarter of a second that few linkages need
-
     if drive == process:
         raise LinkageError(f"force {drive!r} cannot be drive and process at once")
     if not (np.isfinite(pull) and pull and np.isfinite(touch)):
@@ -86,17 +85,46 @@ def pull_through(
     if depth.max() <= 1e-12 * path.kinematics.coordinate_scale(resisting.coordinate):
         return None
     low, high = 0.0, abs(pull) / float(depth.max())
-    if hardest(low) >= 0.0:
+    below = hardest(low)
+    if below >= 0.0:
         return PullThrough(0.0, 0.0, dead_centre)
     for _ in range(_DOUBLINGS):
-        if hardest(high) >= 0.0:
+        above = hardest(high)
+        if above >= 0.0:
             break
-        low, high = high, 2.0 * high
+        low, below, high = high, above, 2.0 * high
     else:
         return None  # nothing that is touched asks the drive for anything
-    stiffness = float(brentq(hardest, low, high, xtol=_CLOSE * high, rtol=_CLOSE))
+    stiffness = _zero(hardest, (low, high), (below, above))
     deepest = abs(float(_process_value(path, resisting, dead_centre)) - touch)
     return PullThrough(stiffness, stiffness * deepest, dead_centre)
+
+
+def _zero(
+    function: Callable[[float], float], ends: tuple[float, float], values: tuple[float, float]
+) -> float:
+    """Return where a function that rises from below 0 to above comes to 0.
+
+    By false position; an end that stays for a second time counts half (Illinois), so that both
+    come near.
+    """
+    (low, high), (below, above) = ends, values
+    close = _CLOSE * (above - below)
+    stayed = 0
+    for _ in range(_HALVINGS):
+        middle = low + (high - low) * (below / (below - above))
+        value = function(middle)
+        if abs(value) <= close or high - low <= _CLOSE * high:
+            return middle
+        if value < 0.0:
+            low, below = middle, value
+            above *= 0.5 if stayed > 0 else 1.0
+            stayed = 1
+        else:
+            high, above = middle, value
+            below *= 0.5 if stayed < 0 else 1.0
+            stayed = -1
+    return middle  # where it jumps over 0
 
 
 def _peak(values: FloatArray, k: int) -> float:
