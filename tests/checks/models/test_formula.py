@@ -285,5 +285,5 @@ def test_a_rungs_history_is_judged_as_any_other(parts):
     model = model_of(part, loads)
     limits = 100.0 / model.fretting
     found = judge(model.history, limits, 100.0, 400.0, loads, {"turn": 1.0})
-    assert found.peak.value == found.peaks_by_position.max()
-    assert found.duty.peak.value > 0
+    assert found["peak"].value == found["peaks_by_position"].max()
+    assert found["duty"].peak.value > 0
