@@ -15,6 +15,7 @@ from checks.part.part_loads import PartLoads
 from checks.strength.finite_life import (
     DutyLife,
     LifeTask,
+    largest_endured,
     lives_of,
     most_used,
     shorter_life,
@@ -221,6 +222,10 @@ class LifeUse(FatigueUse):
         if level not in self._bounds:
             self._bounds[level] = most_used(level.judged_duty, self.task)
         return self._bounds[level][points] * self.limit
+
+    def endured(self, level: Stressed, points: IntArray) -> FloatArray:
+        """Amplitude (n,) that some surface points endure as often as their paths have it, MPa."""
+        return largest_endured(level.judged_duty, self.task)[1][points]
 
     def _floor(self, reached: float) -> float:
         return 0.0  # Miner's sum may use a point more than the two criteria do

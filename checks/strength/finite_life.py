@@ -300,11 +300,10 @@ def _lives(verdict: DutyVerdict, task: LifeTask, readings: Readings) -> list[Dut
 def most_used(verdict: DutyVerdict, task: LifeTask) -> FloatArray:
     """Not less than 1/safety (n_points,) of a finite life, as its cycles are read and raised.
 
-    Half the longest chord is at most the largest amplitude over all paths; no normal stress is
-    above p + 2/3 of the von Mises stress, p the hydrostatic stress.
+    No normal stress is above p + 2/3 of the von Mises stress, p the hydrostatic stress.
     """
     path = np.ascontiguousarray(verdict.coefficients[:, joined(verdict)])
-    amplitude = verdict.verdicts.get(JOINED, verdict.worst).bounds.amplitude
+    amplitude, endured = largest_endured(verdict, task)
     vectors, trace = deviatoric_basis(verdict.basis), verdict.basis[:, :3].sum(axis=1)
     tension = np.empty(len(trace))
     for block in point_blocks(len(trace), 5 * path.shape[1]):
@@ -312,6 +311,17 @@ def most_used(verdict: DutyVerdict, task: LifeTask) -> FloatArray:
         equivalent = np.sqrt(np.einsum("pdk,pdk->pk", swing, swing))
         tension[block] = (trace[block] @ path + 2.0 * equivalent).max(axis=1) / 3.0
     tension = np.maximum(tension, 0.0)
+    used = amplitude / endured + tension / verdict.ultimate
+    return np.asarray(used * _raised(verdict) * (1.0 + _ROUND_OFF))
+
+
+def largest_endured(verdict: DutyVerdict, task: LifeTask) -> tuple[FloatArray, FloatArray]:
+    """No less than the largest amplitude of each point (n_points,), and what is endured of it, MPa.
+
+    Half the longest chord is at most the largest amplitude over all paths. It is endured as often
+    as the length of the path allows at the most.
+    """
+    amplitude = verdict.verdicts.get(JOINED, verdict.worst).bounds.amplitude
     runs = cycles_of(verdict)
     often = np.full(
         len(amplitude), sum(task.counts[name] for name in runs) if len(runs) > 1 else 0.0
@@ -320,9 +330,7 @@ def most_used(verdict: DutyVerdict, task: LifeTask) -> FloatArray:
         length = path_lengths(verdict.basis, np.ascontiguousarray(verdict.coefficients[:, run]))
         often = often + task.counts[name] * length / (4.0 * np.maximum(amplitude, _LEAST))
     curve = life_curve(task.material, verdict.limits, axial=task.axial)
-    endured = curve.amplitude(task.allowed_damage / np.maximum(often, _LEAST))
-    used = amplitude / endured + tension / verdict.ultimate
-    return np.asarray(used * _raised(verdict) * (1.0 + _ROUND_OFF))
+    return amplitude, curve.amplitude(task.allowed_damage / np.maximum(often, _LEAST))
 
 
 def _raised(verdict: DutyVerdict) -> FloatArray:

@@ -117,6 +117,7 @@ def values_at(
     positions, cycles = some_positions(loads or judged.loads, level, [judged], POSITIONS)
     points = _points(judged, level, positions)
     basis = level.history.basis[points]
+    endured = None if isinstance(judged, StaticPeak) else judged.endured(level, points)
     at_bores = isinstance(level, Level)  # other levels have no points at a bore's surface
     found = {}
     for share in shares:
@@ -127,7 +128,7 @@ def values_at(
         stress = np.asarray(basis @ states)
         if at_bores:
             contact.add_short_waves(stress, points, positions, share, factor)
-        some = slice(None) if isinstance(judged, StaticPeak) else that_swing(level, points, stress)
+        some = slice(None) if endured is None else that_swing(level, endured, stress)
         whole = np.eye(len(positions))
         found[share] = judged.anew(level, points[some], stress[some], whole, cycles, states)
     return found
@@ -155,7 +156,7 @@ def some_positions(
 
 
 def that_swing(
-    level: Stressed, points: IntArray, stress: FloatArray, known: float = 0.0
+    level: Stressed, endured: FloatArray, stress: FloatArray, known: float = 0.0
 ) -> IntArray:
     """Which of some points (n,) may decide fatigue under stress (n, 6, m), MPa.
 
@@ -163,9 +164,10 @@ def that_swing(
     is farthest from there. The longest one, Goodman's, is little longer; other criteria may use a
     point more than he does.
 
-    known  MPa, what they must exceed in any case
+    endured  (n,) MPa, their amplitudes of equal safety
+    known    MPa, what they must exceed in any case
     """
-    duty, rows = level.judged_duty, np.arange(len(points))
+    duty, rows = level.judged_duty, np.arange(len(stress))
 
     def farthest(place: FloatArray) -> FloatArray:
         away = von_mises(np.moveaxis(stress - place[:, :, None], 1, -1))
@@ -173,7 +175,7 @@ def that_swing(
 
     one = farthest(stress.mean(axis=2))
     other = farthest(one)
-    swing, middle = von_mises(one - other) / 2 / duty.limits[points], (one + other) / 2
+    swing, middle = von_mises(one - other) / 2 / endured, (one + other) / 2
     even = middle[:, :3].mean(axis=1)  # the largest principal stress is this or more
     least = swing + np.maximum(even, 0.0) / duty.ultimate
     most = swing + np.maximum(even + 2 / 3 * von_mises(middle), 0.0) / duty.ultimate

@@ -376,8 +376,8 @@ def missed_between_nodes(judged: Judged, level: Level) -> float:
             rise = np.abs(places.more).max(axis=1)
         else:
             duty = level.judged_duty
-            bound = judged.bound(level, bore.points)
-            rise = np.ptp(places.more, axis=1) / 2
+            bound, endured = (found(level, bore.points) for found in (judged.bound, judged.endured))
+            rise = np.ptp(places.more, axis=1) / 2 * duty.limit / endured[places.ends].min(axis=1)
             rise += np.abs(places.more).max(axis=1) * duty.limit / duty.ultimate
         most = bound[places.ends].max(axis=1) + rise
         order = np.argsort(-most, kind="stable")
@@ -389,7 +389,7 @@ def missed_between_nodes(judged: Judged, level: Level) -> float:
                 break
             stress, points = places.stress(some), bore.points[places.nearer[some]]
             if not isinstance(judged, StaticPeak):
-                kept = that_swing(level, points, stress, best)
+                kept = that_swing(level, endured[places.nearer[some]], stress, best)
                 stress, points = stress[kept], points[kept]
             if len(points):
                 best = max(best, judged.anew(level, points, stress, whole, cycles, states))

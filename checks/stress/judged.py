@@ -42,6 +42,10 @@ class Judged(ABC):
     def bound(self, level: Stressed, points: IntArray) -> FloatArray:
         """Not less than the quantity (n,) at some surface points over all positions, MPa."""
 
+    def endured(self, level: Stressed, points: IntArray) -> FloatArray:
+        """Amplitude (n,) that some surface points endure as often as the duty asks, MPa."""
+        return level.judged_duty.limits[points]
+
     @abstractmethod
     def anew(
         self,
