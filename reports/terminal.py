@@ -175,18 +175,27 @@ def line_width(width: int | None) -> int:
 def wrap(text: str, width: int) -> list[str]:
     """Lines of at most `width` columns, broken at spaces, or inside a word that is too long.
 
-    Columns are counted as a terminal does, where a wide letter takes two.
+    Such a word breaks behind a . or _ where it has one, as keys do. Columns are counted as a
+    terminal does, where a wide letter takes two.
     """
     lines = [""]
     for word in text.split():
         if cell_len(f"{lines[-1]} {word}".lstrip()) <= width:
             lines[-1] = f"{lines[-1]} {word}".lstrip()
             continue
-        pieces = [word] if cell_len(word) <= width else chop_cells(word, width)
+        pieces = [word] if cell_len(word) <= width else _pieces(word, width)
         lines += pieces if lines[-1] else []
         if not lines[-1]:
             lines[-1:] = pieces
     return lines
+
+
+def _pieces(word: str, width: int) -> list[str]:
+    """Pieces of at most `width` columns of a word that is longer."""
+    whole = chop_cells(word, width)[0]
+    end = 1 + max(whole.rfind(mark) for mark in "._") or len(whole)  # -1: it has none
+    rest = word[end:]
+    return [word[:end], *(_pieces(rest, width) if cell_len(rest) > width else [rest])]
 
 
 def footer(result: DesignResult, report: str | Path | None, width: int) -> list[str]:

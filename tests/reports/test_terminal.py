@@ -130,6 +130,12 @@ def test_wrapping_keeps_every_letter_and_the_width():
     assert "".join(lines).replace(" ", "") == text.replace(" ", "")
 
 
+def test_a_key_breaks_behind_its_dots_and_underscores():
+    key = "parts.bar_upper.inner_radius"
+    assert wrap(key, 26) == ["parts.bar_upper.inner_", "radius"]
+    assert wrap(f"set {key}", 10) == ["set", "parts.bar_", "upper.", "inner_", "radius"]
+
+
 def test_rounding_never_flatters():
     assert safety_text(1.4999) == "1.49"
     assert safety_text(1.15) == "1.15"
