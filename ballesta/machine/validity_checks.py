@@ -15,6 +15,7 @@ from checks.result.verdict import Gate
 from checks.result.words import number
 from fatigue import count_closed_cycles
 from geometry.closed_form import closed_body
+from geometry.mesh import FloatArray
 from reports.loads_words import event_sentence
 
 _GAP = 1e-6  # mm
@@ -77,20 +78,31 @@ def endless_gates(design: Design, runs: Runs) -> Iterator[Gate]:
 def _load_cycles(part: Part, run: loads.CycleLoads | loads.MeasuredLoads) -> float:
     """Cycles of a part's forces in a run that are at least half as large as the largest; 1 or more.
 
-    A measured run may be hours of work.
+    In the part's own axes, in which a steady force swings as the part turns. A measured run may be
+    hours of work.
     """
     bodies = [part.body] if part.body else [lug.body for lug in part.stack]
+    angles = _angles(run)
+    frame = np.exp(-1j * angles.get(part.body or part.fixed_to or "", np.zeros(1)))
     acting = [
-        load.force[:, axis]
+        axis
         for body in bodies
-        if body in (run.bodies if isinstance(run, loads.MeasuredLoads) else run.linkage.body_names)
+        if body in angles
         for load in run.body_loads(str(body))
-        for axis in (0, 1)
+        for force in ((load.force @ [1.0, 1j]) * frame,)
+        for axis in (force.real, force.imag)
     ]
     counted = [count_closed_cycles(force) for force in acting]
     least = _LARGE * max((own.stress_amplitude[0] for own in counted), default=0.0)
     large = (own.cycle_counts[own.stress_amplitude >= least].sum() for own in counted)
     return float(max(large, default=1.0)) if least else 1.0
+
+
+def _angles(run: loads.CycleLoads | loads.MeasuredLoads) -> dict[str, FloatArray]:
+    """Angles (n,) rad of the bodies of a run."""
+    if isinstance(run, loads.MeasuredLoads):
+        return {name: body.angle for name, body in run.bodies.items()}
+    return {name: run.poses[:, run.body_index(name), 2] for name in run.linkage.body_names}
 
 
 def dead_centre_gate(cycle: str) -> str:

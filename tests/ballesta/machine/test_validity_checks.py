@@ -135,3 +135,15 @@ def test_a_measured_run_of_many_cycles_counts_all_of_them(tmp_path):
     run = MeasuredLoads("turn", np.arange(len(pull)) * 1.0, None, {"rod": rod})
     (gate,) = endless_gates(design, {"turn": run})
     assert gate.value == 2.0
+
+
+def test_a_body_that_turns_under_a_steady_force_has_a_cycle_a_turn(tmp_path):
+    """100 turns in a run, 1e7 runs: 1e9 cycles of bending, of a force that stands still."""
+    design = machine(tmp_path, PLATE.replace('"S275"', '"6082-T6"'), "duty.cycles.turn=1e7")
+    angle = np.arange(800) * np.pi / 4
+    zeros, force = np.zeros(800), np.tile([0.0, 1e3], (800, 1))
+    ends = tuple(MeasuredLoad(point, sign * force, zeros) for point, sign in (("A", -1), ("B", 1)))
+    rod = MeasuredBody(design.bodies["rod"], ends, angle, 0 * force, zeros, zeros)
+    run = MeasuredLoads("turn", angle, None, {"rod": rod})
+    (gate,) = endless_gates(design, {"turn": run})
+    assert gate.value == pytest.approx(2.0, rel=0.02)
