@@ -281,7 +281,10 @@ def _missed_of_contact(judged: Judged, level: Level) -> float:
         return 0.0
     value, own = judged.value(level), judged.point(level)
     points = np.flatnonzero(contact.most_missed)
-    may = judged.bound(level, points) + contact.most_missed[points] > value
+    missed = contact.most_missed[points]
+    if not isinstance(judged, StaticPeak):  # MPa of pressure, in the measure of the quantity
+        missed = missed * np.maximum(1.0, level.judged_duty.limit / judged.endured(level, points))
+    may = judged.bound(level, points) + missed > value
     points = np.setdiff1d(points[may], level.left_out)
     off = 0.0
     for some in (points, np.intersect1d(points, [own])):

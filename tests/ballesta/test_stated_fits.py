@@ -391,7 +391,9 @@ def test_pressure_that_patterns_miss_counts_as_what_it_changes(monkeypatch, tmp_
         ("turn",) * 24,
     )
     loaded = rod(tmp_path, 'fits = { first = "0.1 mm", second = "0.1 mm" }', loads)
-    judged = [StaticPeak(loads), fatigue_use(loaded)]
+    often = replace(loaded.duty, life="finite", damage_so_far=1e-6, cycles={"turn": 1e12})
+    used = replace(loaded, design=replace(loaded.design, duty=often))
+    judged = [StaticPeak(loads), fatigue_use(loaded), fatigue_use(used)]
     found, missed = {}, {}
     for patterns in (4, 48):
         monkeypatch.setattr(
