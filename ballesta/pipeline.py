@@ -18,16 +18,12 @@ from ballesta.design.plate_parts import told_of_steps
 from ballesta.design.read import read_design
 from ballesta.machine.blows import blow_gates, blow_subject
 from ballesta.machine.drive_speed import speed_warnings
+from ballesta.machine.measured_balance import balance_gates, not_measured
 from ballesta.machine.motion import motions_of, with_modes
 from ballesta.machine.quasi_static import assumptions_of, quasi_static_gates
 from ballesta.machine.runs import MachineDoubts, MachineRuns, doubts_of, run_machine
 from ballesta.machine.solved_cycles import event_assumptions
-from ballesta.machine.validity_checks import (
-    balance_gates,
-    endless_gates,
-    load_gates,
-    not_measured,
-)
+from ballesta.machine.validity_checks import endless_gates, load_gates
 from ballesta.machine.warnings_of import design_warnings, solver_warnings, unloaded_warnings
 from ballesta.unfinished import FRAME, PART, Keep, KeptPart, with_parts, without_live
 from checks.columns.cylinders import cylinder_checks, not_checked_of

@@ -21,9 +21,9 @@ import numpy as np
 
 from ballesta.design.read import read_design
 from ballesta.machine.elastic_parts import compliances_of
+from ballesta.machine.measured_balance import measured_loads
 from ballesta.machine.quasi_static import vibration_of, with_dynamics
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
-from ballesta.machine.validity_checks import measured_loads
 from ballesta.regression.file import LARGEST, NOISE, band_width, is_bounded, percent, rungs_of
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError, NumericsError

@@ -16,6 +16,7 @@ from ballesta.machine.drive_speed import (
     speed_gates,
     speed_warnings,
 )
+from ballesta.machine.measured_balance import balance_gates, measured_loads, not_measured
 from ballesta.machine.solved_cycles import (
     event_assumptions,
     part_masses,
@@ -25,7 +26,7 @@ from ballesta.machine.solved_cycles import (
     with_events,
     without_unknown_contacts,
 )
-from ballesta.machine.validity_checks import balance_gates, load_gates, measured_loads, not_measured
+from ballesta.machine.validity_checks import load_gates
 from ballesta.machine.warnings_of import load_warnings
 from ballesta.run import Say, guarded, told_of_folder
 from checks.design.data import Design

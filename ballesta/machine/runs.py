@@ -21,6 +21,7 @@ from ballesta.machine.drive_speed import (
     speed_gates,
 )
 from ballesta.machine.elastic_parts import compliances_of
+from ballesta.machine.measured_balance import measured_loads
 from ballesta.machine.quasi_static import CycleVibration, vibration_warnings
 from ballesta.machine.solved_cycles import (
     part_masses,
@@ -29,7 +30,7 @@ from ballesta.machine.solved_cycles import (
     with_events,
     without_unknown_contacts,
 )
-from ballesta.machine.validity_checks import dead_centre_gate, is_near_dead_centre, measured_loads
+from ballesta.machine.validity_checks import dead_centre_gate, is_near_dead_centre
 from checks.design.data import Design, Part
 from checks.design.errors import DesignError
 from checks.handbook.fits import DEFAULT, clearances_of

@@ -19,8 +19,8 @@ import loads
 from ballesta.design.read import read_design
 from ballesta.machine.blows import transients_of
 from ballesta.machine.elastic_parts import compliances_of
+from ballesta.machine.measured_balance import measured_loads
 from ballesta.machine.solved_cycles import linkage_of, part_masses, told_of_cycle, with_events
-from ballesta.machine.validity_checks import measured_loads
 from checks.by_formula import formula_checks
 from checks.columns.cylinders import cylinder_checks
 from checks.columns.linkage_frame import linkage_check, worst_mode

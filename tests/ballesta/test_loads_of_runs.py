@@ -10,8 +10,8 @@ import pytest
 
 from ballesta.commands.loads_command import loads_of_file
 from ballesta.design.read import read_design
+from ballesta.machine.measured_balance import measured_loads
 from ballesta.machine.solved_cycles import solve_cycles
-from ballesta.machine.validity_checks import measured_loads
 from ballesta.pipeline import check_file
 from checks.design.errors import DesignError
 from reports.loads_page import loads_html

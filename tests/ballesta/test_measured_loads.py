@@ -14,8 +14,8 @@ import pytest
 from numpy.testing import assert_allclose
 
 from ballesta.design.read import read_design
+from ballesta.machine.measured_balance import balance_gates, measured_loads, not_measured
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
-from ballesta.machine.validity_checks import balance_gates, measured_loads, not_measured
 from ballesta.pipeline import check_file
 from checks.design.errors import DesignError
 from checks.ladder.part_ladder import Effort
