@@ -17,6 +17,11 @@ import os
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from threadpoolctl import ThreadpoolController
 
 LARGE = 100_000  # unknowns
 _SEVERAL = 2
@@ -79,9 +84,7 @@ def threads_for(unknowns: int, *, team: bool = True) -> Iterator[None]:
     if kept and team:
         yield
         return
-    from threadpoolctl import ThreadpoolController
-
-    libraries = ThreadpoolController()  # it reads the whole map of the memory
+    libraries = _controller.__wrapped__(0) if team else _controller(len(sys.modules))
     with ExitStack() as stack:
         for library in [] if team else libraries.select(prefix="libgomp").lib_controllers:
             levels = library.dynlib.omp_get_max_active_levels()
@@ -91,6 +94,17 @@ def threads_for(unknowns: int, *, team: bool = True) -> Iterator[None]:
             most = _several() if unknowns >= LARGE else 1
             stack.enter_context(libraries.limit(limits=most, user_api="blas"))
         yield
+
+
+@lru_cache(maxsize=1)
+def _controller(_modules: int) -> "ThreadpoolController":
+    """Pools of the libraries that are loaded: read out of the whole map of the memory, 1 to 5 ms.
+
+    Kept until modules are loaded, which may bring libraries. MKL's comes with none.
+    """
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()
 
 
 def _of_environment() -> dict[str, str]:
