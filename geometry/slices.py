@@ -47,6 +47,12 @@ class Slice:
     breadth: float
     segments: tuple[FloatArray, FloatArray, IntArray]
 
+    @property
+    def thickness(self) -> float:
+        """Four times the area over the outline, mm: of a round or square bar, twice a wall's."""
+        start, stop, _ = self.segments
+        return float(4 * self.area / np.hypot(*(stop - start).T).sum())
+
     @cached_property
     def walls(self) -> tuple[float, float]:
         """Least thickness, mm: from a line of the outline to another, and to itself.

@@ -348,12 +348,21 @@ class StepPart(Shape):
     def stressed_section(self) -> Pair:
         """The stated section, or one made up from the solid, height and thickness in mm.
 
-        The latter is as high as the solid and 4 V / A thick, at most as thick as the solid: right
-        for a square bar or a plate, twice the wall of a tube, which is the safe side.
+        The latter is as high as the solid. Its thickness is 4 V / A, or 4 times the area of a
+        section over its outline where that is more, at most the solid's: right for a round or
+        square bar or a plate, twice the wall of a tube, which is the safe side.
         """
-        if self.section is not None:
-            return self.section
-        return float(self._extents[1]), min(float(self._extents[2]), 2 * self.solid.wall)
+        return self.section or self._own_section
+
+    @cached_property
+    def _own_section(self) -> Pair:
+        height, thickness = (float(size) for size in self._extents[1:])
+        try:
+            cuts = bar_slices(self).cells
+        except MeshError:
+            return height, thickness
+        thickest = max(one.thickness for one in cuts)
+        return height, min(thickness, max(2 * self.solid.wall, thickest))
 
     def ligaments(self, interface: str) -> None:
         """None: they are measured on the mesh, in all directions."""
@@ -394,8 +403,9 @@ class StepPart(Shape):
             height, thickness = self.stressed_section
             said.append(
                 "the stressed section of size factor and strength is "
-                f"{height:.3g} x {thickness:.3g} mm: the solid's height, and 4 V/A but at "
-                "most its thickness; `section` states another"
+                f"{height:.3g} x {thickness:.3g} mm: the solid's height, and 4 V/A or 4 "
+                "times a section's area over its outline, at most its thickness; `section` states "
+                "another"
             )
         for name, (x, y) in self.shifts.items():
             if hypot(x, y) > _STATED:

@@ -161,6 +161,23 @@ def test_a_boss_can_be_named_as_a_journal(folder):
     assert_allclose(mesh.nodes[:, 2].min(), -14, atol=1e-9)
 
 
+def test_a_shank_between_thin_eyes_is_as_thick_as_itself(folder):
+    """30 x 30 mm over 40 mm between eyes of 6: its section is 4 A/P = 30 mm, 4 V/A is 18."""
+
+    def thick(gmsh):
+        occ = gmsh.model.occ
+        occ.addBox(-20, -15, -3, 160, 30, 6)
+        occ.fuse([(3, 1)], [(3, occ.addBox(40, -15, -15, 40, 30, 30))])
+        occ.cut([(3, 1)], [(3, occ.addCylinder(x, 0, -4, 0, 0, 8, 5)) for x in (0, 120)])
+
+    part = StepPart(
+        write_step(folder / "thick.step", thick),
+        (NamedHole("a", 10, (0, 0, 0)), NamedHole("b", 10, (120, 0, 0))),
+    )
+    assert 2 * part.solid.wall < 25
+    assert part.stressed_section[1] == pytest.approx(30, rel=1e-6)
+
+
 def test_the_section_is_estimated_from_the_body_unless_it_is_stated(folder, link):
     """24 x 8 mm: 4 V/A is 9.9 mm, more than the plate is thick."""
     assert_allclose(link.stressed_section, (24, 8), rtol=1e-9)
