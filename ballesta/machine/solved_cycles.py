@@ -13,7 +13,7 @@ import numpy as np
 import loads
 from checks.design.data import Cycle, Design, Part
 from checks.design.errors import DesignError, NumericsError
-from checks.part.part_loads import part_placing, shown_name, shown_position
+from checks.part.part_loads import part_placing, pins_carried, shown_name, shown_position
 from checks.store.store import Store
 from checks.stress.kept_models import Models, told_of_part
 from geometry.closed_form import closed_body
@@ -30,7 +30,7 @@ def part_masses(
 ) -> dict[str, tuple[float, tuple[float, float], float]]:
     """Mass, centre and inertia of every body that has a part, in the body's frame.
 
-    What the design states of them goes before what its part has.
+    Of its part with the pins that turn with it. What the design states of them goes before.
     """
     masses = {}
     for part in design.parts.values():
@@ -45,7 +45,8 @@ def part_masses(
         if abs(built - asked) > 1e-9 * built:
             raise AssertionError(f"{part.name} was built {built} mm long")
         properties = body.mass_properties(part.material.density)
-        mass, centre, inertia = part_placing(design, part).to_body(properties)
+        own = part_placing(design, part).to_body(properties)
+        mass, centre, inertia = _with_pins(design, part.body, own)
         stated = design.stated_mass(part)
         masses[part.body] = (
             mass if stated.mass is None else stated.mass,
@@ -53,6 +54,24 @@ def part_masses(
             inertia if stated.inertia is None else stated.inertia,
         )
     return masses
+
+
+def _with_pins(
+    design: Design, body: str, own: tuple[float, tuple[float, float], float]
+) -> tuple[float, tuple[float, float], float]:
+    """Mass, centre and inertia of a body: its part's `own` and those of pins that turn with it."""
+    pieces = [own]
+    for pin, properties in pins_carried(design, body):
+        at = design.bodies[body].points[str(pin.joint)]
+        pieces.append((properties.mass, at, properties.inertia))
+    if len(pieces) == 1:
+        return own
+    whole = sum(mass for mass, _, _ in pieces)
+    x, y = (sum(mass * at[axis] for mass, at, _ in pieces) / whole for axis in (0, 1))
+    about = sum(
+        inertia + mass * ((at[0] - x) ** 2 + (at[1] - y) ** 2) for mass, at, inertia in pieces
+    )
+    return whole, (x, y), about
 
 
 def linkage_of(

@@ -13,7 +13,6 @@ from checks.part.part_loads import Runs, shown_name, shown_position
 from checks.result.verdict import Gate
 from checks.result.words import number
 from fatigue import count_closed_cycles
-from geometry.closed_form import closed_body
 from geometry.mesh import FloatArray
 from reports.loads_words import event_sentence
 
@@ -28,7 +27,6 @@ _MOTOR_ENERGY = 1e-3  # the trapezoidal rule over some hundred positions
 _KNEE = 1e6  # cycles, of metals with an endurance limit
 _LARGE = 0.5  # of the largest cycle: smaller ones do less than a hundredth of its damage
 _PAST_PIN = 0.05  # share of a pin's force that its bore lacks
-_PIN_MASS = 0.05  # share of a pin's force that its own weight and inertia are
 _USED_TRAVEL = 0.98  # of a slot's length: closer than 1 % of it to an end, play lets it strike
 
 
@@ -125,7 +123,6 @@ def _cycle_gates(
         *_deflected_shape(name, cycle),
         *_slot_ends(name, cycle),
         *_past_pins(design, name, cycle),
-        *_heavy_pins(design, name, cycle),
         *_drive_forces(design, name, cycle),
         *_cycle_time(design, name, cycle),
         *_motor(design, name, cycle),
@@ -328,36 +325,6 @@ def _past_pins(design: Design, name: str, cycle: loads.CycleLoads) -> Iterator[G
                 cure=f"Let {beside} act at another point of {part.body}, an interface of its part "
                 "(of a guide: the first of the body's pins); name a force whose eye is on the pin "
                 "in the stack of that pin",
-            )
-
-
-def _heavy_pins(design: Design, name: str, cycle: loads.CycleLoads) -> Iterator[Gate]:
-    """Gates for pins whose own mass is in no body, and matters.
-
-    The mass of a body is its part's unless the design states it, which then may have its pins' too.
-    """
-    for pin in design.parts.values():
-        stated = design.stated_masses.get(pin.fixed_to or "")
-        if pin.joint is None or stated is None or stated.mass is not None:
-            continue
-        body = closed_body(pin.geometry)
-        assert body is not None, "a pin's volume is known by formula"
-        mass = body.volume * pin.material.density
-        pull = cycle.acceleration(str(pin.fixed_to), pin.joint) - np.array(design.gravity)
-        acting = [
-            np.hypot(*cycle.reactions[joint.name].force.T).max()
-            for joint in cycle.linkage.joints
-            if isinstance(joint, loads.Revolute) and joint.point == pin.joint
-        ]
-        own, most = float(mass * np.hypot(*pull.T).max()), max(acting, default=0.0)
-        if own > _PIN_MASS * most:
-            yield Gate(
-                f"{name}: mass of {pin.name}",
-                own / (most or own),
-                _PIN_MASS,
-                f"weight and inertia of the pin, {number(1e3 * mass)} kg, over the largest force "
-                "in its joint: it is in no load",
-                cure=f"State bodies.{pin.fixed_to}.mass, centre and inertia with the pin's",
             )
 
 

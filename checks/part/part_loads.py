@@ -3,7 +3,7 @@
 A `Placing` is where a part stands in its body's frame, and turns the body's loads into its axes.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from math import atan2, cos, hypot, pi, sin
@@ -15,9 +15,11 @@ from checks.design.data import Cycle, Design, Part
 from checks.design.model import StackEntry
 from checks.handbook.fits import LARGEST, LEAST, PressFit
 from checks.result.words import INTERFERENCE
+from geometry.closed_form import closed_body
 from geometry.mesh import FloatArray, IntArray, MassProperties
 
 _LARGEST = 1e33  # N, N mm; squares and cubes of what is larger leave the range of numbers
+_OWN_INERTIA = 0.05  # of a pin's largest force: less of weight and inertia does not bend it
 Runs = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 TIE = 1e-9  # values that are closer than this, of the largest, are equal
 
@@ -242,7 +244,7 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
     for name, cycle_loads in solved.items():
         if not is_loaded(part, cycle_loads):
             continue
-        history = _history(part, cycle_loads)
+        history = _with_pins(design, part, _history(part, cycle_loads))
         part_wrenches, part_accelerations = placing.to_part(history)
         for interface in part.beside:
             couples = _handed(part, interface, placing, cycle_loads)
@@ -290,7 +292,58 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
         _own_swing(part, placing, {name: solved[name] for name in slices}, design.load_factor),
         part.press_fits,
     )
-    return replace(found, doubts=(*found.doubts, *_of_press_fits(found)))
+    own = (*_of_press_fits(found), *_of_own_inertia(design, part, solved, found))
+    return replace(found, doubts=(*found.doubts, *own))
+
+
+def pins_carried(design: Design, body: str | None) -> Iterator[tuple[Part, MassProperties]]:
+    """Pins whose mass a body has besides its part's: all that turn with it.
+
+    None where the design states the mass of the body, which is the whole body's.
+    """
+    stated = design.stated_masses.get(body or "")
+    for pin in design.parts.values() if stated is not None and stated.mass is None else ():
+        if pin.joint is not None and pin.fixed_to == body:
+            solid = closed_body(pin.geometry)
+            assert solid is not None, "a pin's volume is known by formula"
+            yield pin, solid.mass_properties(pin.material.density)
+
+
+def _with_pins(design: Design, part: Part, history: loads.LoadHistory) -> loads.LoadHistory:
+    """The loads on a part with weight and inertia of the pins that turn with it, in their bores."""
+    wrenches = history.wrenches.copy()
+    for pin, mass in pins_carried(design, part.body):
+        x, y = design.bodies[str(part.body)].points[str(pin.joint)]
+        a_x, a_y, alpha, omega2 = history.accelerations.T
+        pull = np.stack([a_x - alpha * y - omega2 * x, a_y + alpha * x - omega2 * y], axis=1)
+        for k, interface in enumerate(history.interfaces):
+            if part.interfaces[interface] == pin.joint:
+                wrenches[:, k, :2] -= mass.mass * pull
+                wrenches[:, k, 5] -= mass.inertia * alpha
+    return replace(history, wrenches=wrenches)
+
+
+def _of_own_inertia(design: Design, part: Part, runs: Runs, found: PartLoads) -> list[PartDoubt]:
+    """Weight and inertia of a pin itself, which its lugs do not hand it, as a doubt of its loads.
+
+    Spread along the pin they bend and shear it by no more than such a share of its largest force in
+    the lug that is farthest from the body that holds it.
+    """
+    if part.fixed_to is None or not found.largest_force:
+        return []
+    solid, pull = closed_body(part.geometry), float(np.hypot(*design.gravity))
+    assert solid is not None, "a pin's volume is known by formula"
+    for cycle in runs.values():
+        if isinstance(cycle, loads.CycleLoads) and part.fixed_to != loads.GROUND:
+            moved = cycle.acceleration(part.fixed_to, str(part.joint)) - np.array(design.gravity)
+            pull = max(pull, float(np.hypot(*moved.T).max()))
+    mass = solid.mass_properties(part.material.density).mass
+    share = design.load_factor * mass * pull / found.largest_force
+    if share <= _OWN_INERTIA:
+        return []
+    wrenches = {name: (1 + share) * wrench for name, wrench in found.wrenches.items()}
+    words = f"weight and inertia of the pin itself, {100 * share:.2g} % of its largest force"
+    return [PartDoubt(words, (replace(found, wrenches=wrenches, doubts=()),))]
 
 
 def _of_press_fits(loads: PartLoads) -> list[PartDoubt]:

@@ -236,12 +236,12 @@ def test_bars_of_a_press_give_way_with_their_holes_and_cut_outs(models):
 
 
 def test_bars_between_two_pins_only_shorten(models):
-    """So a stiffness E A = L / softness does the same, to what bending by their weight adds."""
+    """So a stiffness E A = L / softness does the same, to what their weight and the pin's add."""
     solved, given = pressed(*BARS, models=models)
     stiffness = 250.0 / shortening(given["lower"].matrix)
     as_tubes = (f"bodies.{bar}.elastic.axial={stiffness} N" for bar in ("lower", "upper"))
     tubes, _ = pressed(*as_tubes, models=models)
-    assert_allclose(solved.efforts["process"].max(), tubes.efforts["process"].max(), rtol=1e-8)
+    assert_allclose(solved.efforts["process"].max(), tubes.efforts["process"].max(), rtol=1e-5)
 
 
 @pytest.mark.slow

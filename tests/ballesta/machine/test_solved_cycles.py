@@ -1,13 +1,31 @@
 """Masses, joints and coordinates of a design, in the linkage that is solved."""
 
+import numpy as np
 import pytest
 
 import loads
 from ballesta.design.read import read_design
-from ballesta.machine.solved_cycles import linkage_of, part_masses
+from ballesta.machine.solved_cycles import linkage_of, part_masses, solve_cycles
+from checks.part.part_loads import loads_on
 from checks.stress.kept_models import Models
+from fem.unit_loads import inertia_of
+from geometry.mesh import MassProperties
 
-from ...small_machine import machine
+from ...small_machine import MACHINE, PLATE, machine
+
+HEAVY = """
+[parts.pin]
+joint = "B"
+shape = "pin"
+fixed_to = "rod"
+material = "C45"
+diameter = "12 mm"
+stack = [
+  { body = "rod", at = "0 mm", width = "8 mm" },
+  { body = "slider", at = "10 mm", width = "4 mm" },
+  { force = "push", at = "976 mm", width = "4 mm" },
+]
+"""
 
 
 def test_a_stated_mass_goes_before_that_of_the_part_whose_centre_and_inertia_stay(tmp_path):
@@ -28,3 +46,34 @@ def test_the_length_of_a_force_is_called_by_the_name_that_the_design_has_for_it(
     cylinder = loads.Distance("ground", "D", "lower", "B", "cylinder")
     assert cylinder.label == "cylinder.length"
     assert cylinder == loads.Distance("ground", "D", "lower", "B", "spring")
+
+
+def test_a_pin_is_in_the_body_that_it_turns_with_and_hands_its_bore_what_moves_it(tmp_path):
+    """12 mm by 1966 mm, 5 beyond its lugs, are 1.75 kg: rod and pin by the parallel axis theorem.
+
+    Bores with the pin's weight and inertia leave the rod's own mass in balance at 50 rad/s.
+    """
+    path = tmp_path / "own.toml"
+    whole = MACHINE.replace('mass = "0.2 kg"\ninertia = "5e-4 kg m2"\ncentre = "80, 0 mm"\n', "")
+    path.write_text(whole + PLATE, encoding="utf-8")
+    mass, (x, y), inertia = part_masses(read_design(path), Models())["rod"]
+
+    path.write_text(whole + PLATE + HEAVY, encoding="utf-8")
+    design = read_design(path, ["cycles.turn.pace.speed=50 rad/s"])
+    masses = part_masses(design, Models())
+    pin = 7.85e-9 * np.pi * 6**2 * 1966
+    length = np.hypot(144, 72)
+    centre = (mass * x + pin * length) / (mass + pin)
+    about = inertia + pin * (6**2 / 2) + mass * (centre - x) ** 2 + pin * (length - centre) ** 2
+    got, at, turns = masses["rod"]
+    assert (got, *at, turns) == pytest.approx((mass + pin, centre, y, about), rel=1e-9)
+
+    rod = design.parts["rod"]
+    loads = loads_on(design, rod, solve_cycles(design, masses))
+    own = inertia_of(MassProperties(mass, np.array([x, y, 0.0]), inertia))
+    left = loads.accelerations @ own.T
+    for place, wrench in zip((0.0, length), loads.wrenches.values(), strict=True):
+        left += wrench[:, [0, 1, 5]] + np.outer(wrench[:, 1] * place, [0.0, 0.0, 1.0])
+    assert np.abs(left).max() < 1e-7 * loads.largest_force
+    (doubt,) = loads_on(design, design.parts["pin"], solve_cycles(design, masses)).doubts
+    assert "weight and inertia of the pin itself" in doubt.words

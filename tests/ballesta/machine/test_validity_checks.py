@@ -10,7 +10,6 @@ import pytest
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.machine.validity_checks import endless_gates, load_gates
-from checks.design.data import StatedMass
 from loads import MeasuredBody, MeasuredLoad, MeasuredLoads
 
 from ...small_machine import PLATE, machine, solved
@@ -40,7 +39,6 @@ stack = [
 """
 QUICK_RETURN = Path(__file__).parents[3] / "designs" / "quick_return.toml"
 ADDED = ("points.T=244, -12 mm", 'bodies.slider.pins=["B", "T"]', "bodies.slider.centre=50, 0 mm")
-SLOWLY = "cycles.turn.pace.speed=0.1 rad/s"
 
 
 def gates(folder, text, *overrides):
@@ -75,23 +73,6 @@ def test_a_bore_without_a_pin_has_all_that_acts_there(tmp_path):
     design = machine(tmp_path, text, *ADDED, "forces.push.at=T")
     names = [gate.name for gate in load_gates(design, solved(design)) if "pin in" in gate.name]
     assert names == ["turn: pin in second of slider"]
-
-
-def test_a_pins_own_mass_is_told_where_it_matters(tmp_path):
-    """48 mm by 1966 mm are 27.9 kg and 274 N, beside the 400 N / cos 26.6 deg of the rod."""
-    text = SLIDER + PIN.replace('"12 mm"', '"48 mm"').replace("20 mm", "976 mm")
-    text = text.replace('hole = "12 mm"', 'hole = "48 mm"').replace('width = "30', 'width = "90')
-    design = machine(tmp_path, text, *ADDED, "points.T=400, -12 mm", SLOWLY)
-
-    def masses(design):
-        return [gate for gate in load_gates(design, solved(design)) if "mass of" in gate.name]
-
-    assert not masses(design)  # the slider's mass is stated, and may have the pin's in it
-    own = StatedMass(None, None, None)
-    (gate,) = masses(replace(design, stated_masses=dict(design.stated_masses) | {"slider": own}))
-    assert gate.binding
-    assert gate.value == pytest.approx(274 / 447, rel=0.01)
-    assert "bodies.slider.mass" in gate.cure
 
 
 def test_a_slots_face_is_no_bore(tmp_path):
