@@ -13,6 +13,7 @@ from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
 from checks import by_formula
 from checks.by_formula import weld
+from checks.design.data import Weld
 from checks.design.errors import DesignError
 from checks.models.formula_bars import bar_loads
 from checks.models.shapes import beams
@@ -20,6 +21,7 @@ from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartDoubt, loads_on
 from checks.stress.solid_mesh_level import Models
 from fatigue.life import AT_KNEE, SHEAR_CUT_OFF
+from geometry.bars import Section, Walls
 from geometry.outlines import Contour, PlateOutline
 from geometry.parameters import ParameterError
 from geometry.parts.plate import Plate, PlateBore
@@ -151,6 +153,41 @@ def test_the_root_of_a_hollow_beam_by_hand(tmp_path):
     enclosed = 120 * 60 - (4 - pi) * 10**2
     assert_allclose(scope["q_T"], 1 / (2 * enclosed * 4.0), rtol=1e-12)  # Bredt
     assert toe.limit == 36.0
+
+
+@pytest.mark.parametrize(
+    ("outline", "height", "width", "load", "arm", "allowed", "printed"),
+    [
+        ("flat", 400.0, 300.0, 50e3, 300.0, 70.0, 2.198406),
+        ("rectangular", 150.0, 100.0, 25e3, 500.0, 75.0, 3.763189),
+        ("round", 50.0, 50.0, 10e3, 200.0, 100.0, 5.132593),
+    ],
+)
+def test_printed_throats_under_a_bending_force(outline, height, width, load, arm, allowed, printed):
+    """Public collection FOSSEE/Scilab-TBC-Uploads, 764/CH8, examples 8.13 to 8.15 of a textbook, pages 292 and 293.
+
+    They ask for the throat at which sqrt((s/2)^2 + (P/A)^2) is allowed. Welds along a line have a
+    second moment of their own throat in 8.14, l t^3/12 with t = 1 mm, 1e-5 of all.
+    """
+    scope = unit_throat(outline, height, width)
+    bent, sheared = load * arm * height / 2 / scope["I_z"], load / scope["A"]
+    assert_allclose(sqrt((bent / 2) ** 2 + sheared**2) / allowed, printed, rtol=1e-5)
+
+
+def test_the_printed_throat_of_a_twisted_shaft():
+    """The same, example 8.16, page 294: 2500 N m on 50 mm, 140 MPa allowed."""
+    scope = unit_throat("round", 50.0, 50.0)
+    assert_allclose(2500e3 * scope["q_T"] / 140.0, 4.547284, atol=5e-7)
+
+
+def unit_throat(outline, height, width):
+    """The section of a throat of 1 mm round or along an outline."""
+    section = Section("", 1.0, 1.0, 1.0, depth_in_plane=height, depth_out_of_plane=width)
+    walls = Walls(outline, height, width, (0.0, 1.0), section)
+    scope = {}
+    for item in weld._throat(Weld(0.5, walls, 36.0, "", 1.0, 1.35)):
+        scope[item.symbol] = weld.value_of(item, scope)
+    return scope
 
 
 def test_a_torque_on_a_hollow_beam_by_hand(tmp_path):
