@@ -36,6 +36,7 @@ _NEAR = 1e-4  # of a radius: how exactly faces are found
 _STATIONS = 65  # heights of a link, between which they are straight
 _STATED = 1e-3  # mm, how exactly points are usually stated
 _STRAIGHT = 1e-3  # of the bores' distance: how far the sections of a column may lie beside it
+_BESIDE = 32  # sections within a height on either side of one
 _TAPER = 0.25  # slope of an edge up to which a section has the stress of an even bar
 
 Pair = tuple[float, float]
@@ -228,8 +229,7 @@ class Plate(Shape):
         """The section across the line from one bore to its neighbour, `at` mm from the first.
 
         Raises ParameterError where its stress is not a bar's: beside the plate, nearer to a hole
-        than 1.25 of its heights, or where an edge within half its height is not nearly along the
-        line.
+        than 1.25 of its heights, or where an edge within its height is not nearly along the line.
         """
         arms = [f"{self.bores[i].name} and {self.bores[j].name}" for i, j in self.neighbours]
         pairs = [{self.bores[i].name, self.bores[j].name} for i, j in self.neighbours]
@@ -259,14 +259,14 @@ class Plate(Shape):
                     f"at {at:g} mm the stress is not that of a bar: a hole is {gap:.4g} mm away; "
                     f"it must be at least {BESIDE:g} heights, {BESIDE * height:.4g} mm",
                 )
-        for step in height * np.array([-0.5, -0.25, 0.25, 0.5]):
+        for step in height * np.linspace(-1.0, 1.0, _BESIDE):
             near = self.outline.cut(point + step * way, way)
             aside = np.inf if near is None else np.abs(np.subtract(near.ends, cut.ends)).max()
             if aside > _TAPER * abs(step):
                 raise ParameterError(
                     "at",
-                    f"at {at:g} mm the stress is not that of a bar: an edge within half the height "
-                    f"of {height:.4g} mm is steeper than 1 to {1 / _TAPER:g}",
+                    f"at {at:g} mm the stress is not that of a bar: an edge within its height of "
+                    f"{height:.4g} mm is steeper than 1 to {1 / _TAPER:g}",
                 )
         section = plate_section("arm", height, self.thickness)
         return Walls("flat", height, self.thickness, (at, at), section, across=(point, way))

@@ -356,7 +356,8 @@ def test_refusals(tmp_path, text, welds, wording):
 @pytest.mark.parametrize(
     ("corners", "window", "at", "wording"),
     [
-        ([-30 - 20j, 130 - 20j, 130 - 30j, 330 - 30j, 330 + 30j, 130 + 30j, 130 + 20j, -30 + 20j], None, 120.0, "an edge within half the height of 40 mm is steeper than 1 to 4"),
+        ([-30 - 20j, 130 - 20j, 130 - 35j, 330 - 35j, 330 + 35j, 130 + 35j, 130 + 20j, -30 + 20j], None, 100.0, "an edge within its height of 40 mm is steeper than 1 to 4"),
+        ([-30 - 20j, 120 - 20j, 122 - 8j, 124 - 20j, 330 - 20j, 330 + 20j, -30 + 20j], None, 100.0, "an edge within its height of 40 mm"),
         ([-30 - 20j, 330 - 20j, 330 + 20j, -30 + 20j], (150.0, 8.0), 110.0, "a hole is 40 mm away"),
         ([-30 - 20j, 330 - 20j, 330 + 20j, -30 + 20j], (150.0, 8.0), 145.0, "the section is at a hole"),
         ([-30 - 20j, 100 - 20j, 100 - 90j, 200 - 90j, 200 - 20j, 330 - 20j, 330 + 20j, 199 + 20j, 199 - 50j, 101 - 50j, 101 + 20j, -30 + 20j], None, 150.0, "the section is beside the plate"),
