@@ -112,18 +112,29 @@ def stretches(
 class Walls:
     """A stretch of a part with one section, across which a weld may run all round.
 
-    outline  "round": tube or bar, "square": tube, "flat": rectangular bar
-    size     mm, outer diameter or width; of a flat bar its height in the linkage's plane
-    wall     mm, thickness of the wall, or of the flat bar; of a solid round bar its diameter
+    outline  "round": tube or bar, "rectangular": tube, "flat": rectangular bar, "I"
+    size     mm, outer diameter or height in the linkage's plane
+    wall     mm, thickness of the thickest wall, or of the flat bar; of a solid round bar its
+             diameter
     stretch  mm, from where to where along x
     section  whose area and second moments count there
+    corner   mm, outer radius of a rectangular tube's corners
+    shear    1/mm2, of an I section: largest shear stress per N of shear force
+    torsion  mm4, of an I section: Saint-Venant's constant
+    warping  mm6, of an I section: flanges that bend against each other as it twists
+    across   of a plate: a point of the section, x + i y in mm, and the unit vector normal to it
     """
 
-    outline: Literal["round", "square", "flat"]
+    outline: Literal["round", "rectangular", "flat", "I"]
     size: float
     wall: float
     stretch: tuple[float, float]
     section: Section
+    corner: float = 0.0
+    shear: float = 0.0
+    torsion: float = 0.0
+    warping: float = 0.0
+    across: tuple[complex, complex] | None = None
 
 
 @dataclass(frozen=True, eq=False)

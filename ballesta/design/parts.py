@@ -35,6 +35,7 @@ from geometry.bars import RulingSection, Walls
 from geometry.mesh import Interface
 from geometry.parameters import GIVEN_BY_DESIGN, GIVEN_BY_LINKAGE, ParameterError
 from geometry.parts import SHAPES, Beam, Pin, Seat
+from geometry.parts.plate import Plate
 from geometry.shape import Shape, check_sizes, key_of
 
 _STEEL = (185e3, 220e3)  # MPa, Young's modulus of steels
@@ -70,7 +71,9 @@ def welds_of(
 
 def _weld(stated: WeldEntry, geometry: Shape) -> Weld:
     """A weld; raises ParameterError where there is no wall, or none that its detail is for."""
-    walls = _walls_at(stated.at, geometry)
+    walls = _walls_at(stated, geometry)
+    if stated.throat is not None and walls.outline == "I":
+        raise ParameterError("throat", "of an I section's welds is not judged; leave it out")
     if stated.throat is not None and stated.throat > walls.wall:
         raise ParameterError(
             "throat",
@@ -80,13 +83,27 @@ def _weld(stated: WeldEntry, geometry: Shape) -> Weld:
     if (stated.detail is None) == (stated.category is None):
         raise ParameterError("detail", "needs either detail or category, one of the two")
     category, where = _stated_category(stated) if stated.category else _of_detail(stated, walls)
-    return Weld(stated.at, walls, category, where, stated.throat, stated.partial_factor)
+    return Weld(
+        stated.at,
+        walls,
+        category,
+        where,
+        stated.throat,
+        stated.partial_factor,
+        tuple(stated.between or ()),
+    )
 
 
-def _walls_at(at: float, geometry: Shape) -> Walls:
+def _walls_at(stated: WeldEntry, geometry: Shape) -> Walls:
+    at = stated.at
+    if isinstance(geometry, Plate):
+        return geometry.walls_across(at, stated.between or ())
     if type(geometry).walls is Shape.walls:
         able = sorted(name for name, one in SHAPES.items() if one.walls is not Shape.walls)
+        able += ["levers and drawn plates"]
         raise ParameterError("at", f"no weld is judged on this shape, but on {listed(able)}")
+    if stated.between is not None:
+        raise ParameterError("between", "is of levers and drawn plates; leave it out")
     if not geometry.walls:
         raise ParameterError("at", "the part has no stretch with even walls, away from holes")
     for walls in geometry.walls:

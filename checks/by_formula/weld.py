@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import sqrt
+from math import exp, expm1, sqrt
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from checks.handbook.bar_forces import balanced_bar
 from checks.handbook.weld_details import ROOT, ROOT_CATEGORY, SHEAR_CATEGORY, STANDARD
 from checks.part.derived import Band, Heading, Kind, Series, load_case
 from checks.part.loaded_part import LoadedPart
+from checks.part.plate_loads import FlatSection, PlateLoads
 from checks.result.derivation import Column, Derivation, Given, Item, Section, Step, Sum, value_of
 from checks.result.formulas import Value, evaluate_each
 from checks.result.verdict import Check
@@ -37,6 +38,7 @@ from fatigue.life import (
 )
 from geometry.bars import rectangle_torsion
 from geometry.mesh import FloatArray, IntArray
+from geometry.parts.plate import Plate
 
 _PAGE = "[welds](../theory/welds.md)"
 FATIGUE = Kind(
@@ -81,6 +83,7 @@ _FORCES = {
     "T": ("torque", "N mm"),
     "M_y": ("moment out of the plane", "N mm"),
     "M_z": ("moment in the plane", "N mm"),
+    "B": ("bimoment", "N mm2"),
 }
 
 
@@ -116,6 +119,8 @@ def not_checked(loaded: LoadedPart) -> Iterator[str]:
 def _forces(loaded: LoadedPart, weld: Weld) -> dict[str, FloatArray]:
     """Section forces (n,) at a weld, N and N mm, of the part's loads and its own inertia."""
     shape, loads = loaded.part.geometry, loaded.loads
+    if isinstance(shape, Plate):
+        return _plate_forces(loaded, shape, weld)
     bar = shape.profile
     assert bar is not None, "a shape with walls tells its profile"
     cuts = np.linspace(bar.cuts[0], bar.cuts[-1], _CELLS + 1)
@@ -128,20 +133,77 @@ def _forces(loaded: LoadedPart, weld: Weld) -> dict[str, FloatArray]:
     low, high = weld.walls.stretch
     slack = _INSIDE * (high - low)
     found = balanced.at(np.array([min(max(weld.at, low + slack), high - slack)]))
-    return {
+    forces = {
         "N": found.axial[0], "V": found.shear[0], "T": found.torque[0],
         "M_y": found.moment_y[0], "M_z": found.moment_z[0],
     }  # fmt: skip
+    if weld.walls.outline == "I":
+        forces["B"] = _bimoment(loaded, weld, (bar.cuts[0], bar.cuts[-1]), points)
+    return forces
 
 
+def _bimoment(
+    loaded: LoadedPart,
+    weld: Weld,
+    ends: tuple[float, float],
+    points: Sequence[tuple[float, FloatArray]],
+) -> FloatArray:
+    """Bimoment (n,), N mm2, of a bar whose ends warp freely under couples M at places of it.
+
+    With k^2 = G J/(E I_w) each M adds M sinh(k l) sinh(k r)/(k sinh(k L)) to it: of weld and M,
+    one is l from the left end, the other r from the right end.
+    """
+    walls, steel = weld.walls, loaded.part.material
+    length = ends[1] - ends[0]
+    k = sqrt(walls.torsion / (2 * (1 + steel.poisson_ratio) * walls.warping))
+    total = np.zeros(len(loaded.loads.accelerations))
+    for x, wrench in points:
+        low, high = min(x, weld.at) - ends[0], ends[1] - max(x, weld.at)
+        lasting = exp(k * (low + high - length)) * expm1(-2 * k * low) * expm1(-2 * k * high)
+        total += wrench[:, 3] * lasting / (-2 * k * expm1(-2 * k * length))
+    return total
+
+
+def _plate_forces(loaded: LoadedPart, shape: Plate, weld: Weld) -> dict[str, FloatArray]:
+    """Section forces (n,) across an arm of a plate, about the middle of its section."""
+    assert weld.walls.across is not None, "a plate tells its section"
+    cut = shape.outline.cut(*weld.walls.across)
+    assert cut is not None, "its section is inside"
+    plate, section = PlateLoads(loaded.part, shape, loaded.loads), FlatSection(cut, shape.thickness)
+    ahead = plate.is_ahead(section)
+    axial, shear, moment = plate.across(section, ahead) @ plate.acting
+    wrenches = np.sum([loaded.loads.wrenches[name] for name in ahead], axis=0)
+    couples = (wrenches[:, 3] + 1j * wrenches[:, 4]) * np.conj(cut.along)
+    return {"N": axial, "V": shear, "T": couples.real, "M_y": couples.imag, "M_z": moment}
+
+
+# of a thin line h high and w wide with corners of radius r, per thickness: first moment of a
+# quarter, second moment; and the area inside
+_FIRST = "({w} - 2*{r})*{h}/4 + {r}*(({h}/2 - {r})*pi/2 + {r}) + ({h}/2 - {r})^2/2"
+_SECOND = (
+    "({h} - 2*{r})^3/6 + ({w} - 2*{r})*{h}^2/2"
+    " + {r}*(pi/2*{h}^2 - (2*pi - 4)*{r}*{h} + (3*pi - 8)*{r}^2)"
+)
+_WITHIN = "{h}*{w} - (4 - pi)*{r}^2"
+_MIDDLE, _OUTSIDE = {"h": "h", "w": "w", "r": "r"}, {"h": "d", "w": "b", "r": "c"}
 _WALLS = {  # by outline: shear stress of 1 N and of 1 N mm of torque, where it is largest
     "round": ("2/A", "d/(4*I_z)"),
-    "square": ("9/(16*(d - t)*t)", "1/(2*(d - t)^2*t)"),
+    "rectangular": (
+        f"({_FIRST})/(({_SECOND})*t)".format(**_MIDDLE),
+        f"1/(2*({_WITHIN})*t)".format(**_MIDDLE),
+    ),
     "flat": ("3/(2*A)", "1/W_t"),
+    "I": ("q_w", "t/J"),
 }
 _THROATS = {  # by outline: A, I_z, I_y, and as above
     "round": ("pi*d*a", "pi*d^3*a/8", "I_z", "2/A", "2/(pi*d^2*a)"),
-    "square": ("4*d*a", "2*d^3*a/3", "I_z", "9/(16*d*a)", "1/(2*d^2*a)"),
+    "rectangular": (
+        "(2*d + 2*b - (8 - 2*pi)*c)*a",
+        f"({_SECOND})*a".format(**_OUTSIDE),
+        f"({_SECOND})*a".format(h="b", w="d", r="c"),
+        f"({_FIRST})/I_z".format(**_OUTSIDE),
+        f"1/(2*({_WITHIN})*a)".format(**_OUTSIDE),
+    ),
     "flat": ("2*d*a", "d^3*a/6", "d*t^2*a/2", "3/(2*A)", "1/(d*t*a)"),
 }
 _STEPS = (
@@ -154,24 +216,42 @@ _STEPS = (
 
 
 def _sizes(weld: Weld) -> list[Item]:
-    shape = "the part's shape"
-    return [
-        Given("d", "outer size", weld.walls.size, "mm", shape),
-        Given("t", "thickness of the wall or bar", weld.walls.wall, "mm", shape),
+    walls, shape, depth = weld.walls, "the part's shape", weld.walls.section.depth_out_of_plane
+    sizes: list[Item] = [
+        Given("d", "outer size", walls.size, "mm", shape),
+        Given("t", "thickness of the wall or bar", walls.wall, "mm", shape),
     ]
+    if walls.outline == "rectangular":
+        sizes += [
+            Given("b", "outer size out of the plane", depth, "mm", shape),
+            Given("c", "outer radius of the corners", walls.corner, "mm", shape),
+        ]
+    return sizes
 
 
 def _walls(weld: Weld) -> list[Item]:
     """The section of the walls, and its shear per force and per torque."""
-    walls, section = weld.walls, weld.walls.section
+    walls, section, shape = weld.walls, weld.walls.section, "the part's shape"
     values = (section.area, section.inertia_in_plane, section.inertia_out_of_plane)
     items: list[Item] = [
-        Given(symbol, meaning, value, unit, "the part's shape")
+        Given(symbol, meaning, value, unit, shape)
         for (symbol, meaning, unit), value in zip(_STEPS, values, strict=False)
     ]
     if walls.outline == "flat":
         modulus = float(rectangle_torsion(walls.size, walls.wall)[1])
         items.append(Given("W_t", "torsion modulus", modulus, "mm3", "Saint-Venant's series"))
+    elif walls.outline == "rectangular":
+        items += [
+            Step("h", "size of the walls' middle line", "d - t", "mm", _THEORY),
+            Step("w", "the same out of the plane", "b - t", "mm", _THEORY),
+            Step("r", "radius of its corners", "(c + max(c - t, 0))/2", "mm", _THEORY),
+        ]
+    elif walls.outline == "I":
+        items += [
+            Given("q_w", "S/(I_z s) of half the section and the web", walls.shear, "1/mm2", shape),
+            Given("J", "torsion constant", walls.torsion, "mm4", shape),
+            Given("I_w", "warping constant", walls.warping, "mm6", shape),
+        ]
     shears = zip(_STEPS[3:], _WALLS[walls.outline], strict=True)
     return [*_sizes(weld), *items, *(_step(*one) for one in shears)]
 
@@ -196,7 +276,7 @@ def _outline(weld: Weld) -> list[tuple[float, float]]:
         angles = 2 * np.pi * np.arange(_ROUND) / _ROUND
         sines, cosines = np.sin(angles).round(_DIGITS), np.cos(angles).round(_DIGITS)
         return [(float(half * s), float(half * c)) for s, c in zip(sines, cosines, strict=True)]
-    depth = walls.wall / 2 if walls.outline == "flat" else half
+    depth = walls.section.depth_out_of_plane / 2
     return [(y, z) for y in (half, -half) for z in (depth, -depth)]
 
 
@@ -223,7 +303,7 @@ class _Ranges:
         runs = {name: _positions(slices[name]) for name in duty.cycles if name in slices}
         every = np.concatenate(list(runs.values()))
         outline = _outline(self.weld)
-        normal = np.stack([self._over(_STRESS, y=y, z=z) for y, z in outline])
+        normal = np.stack([self._over(self._stress, y=y, z=z) for y, z in outline])
         sides = [self._over(_SHEAR, T=sign * self.forces["T"]) for sign in (1.0, -1.0)]
         shear = max(sides, key=lambda one: float(np.ptp(one[every])))
         swing, turned = np.ptp(normal[:, every], axis=1), float(np.ptp(shear[every]))
@@ -286,12 +366,20 @@ class _Ranges:
             scope[item.symbol] = value_of(item, scope)
         return scope | dict(self.forces)
 
+    @property
+    def _stress(self) -> str:
+        return _STRESS + " + B*y*z/I_w" * ("B" in self.forces)
+
     def _heading(self) -> Heading:
         walls = self.weld.walls
+        across = f" x {walls.section.depth_out_of_plane:g}"
+        if walls.outline in ("round", "flat"):
+            across = ""
+        told = f"{walls.outline} {walls.size:g}{across} x {walls.wall:g} mm"
         return Heading(
             kind=FATIGUE,
             of=f"{self.name} at {self.weld.place}",
-            place=f"weld at {self.weld.place}, {walls.outline} {walls.size:g} x {walls.wall:g} mm",
+            place=f"weld at {self.weld.place}, {told}",
             basis=f"{self.where}; partial factor {self.weld.partial_factor:g} as the least safety",
         )
 
@@ -313,10 +401,10 @@ class _Ranges:
                 Given(f"{symbol}_{number}", meaning, float(self.forces[symbol][position]), unit,
                       "the loads")
                 for symbol, (meaning, unit) in _FORCES.items()
-                if symbol in ("N", "M_y", "M_z")
+                if symbol in self.forces and symbol not in ("V", "T")
             ]  # fmt: skip
-            stress.append(Step(f"s_{number}", "normal stress", _numbered(_STRESS, number), "MPa",
-                               _THEORY))  # fmt: skip
+            stress.append(Step(f"s_{number}", "normal stress", _numbered(self._stress, number),
+                               "MPa", _THEORY))  # fmt: skip
         stress += [
             Step("S", "largest range of normal stress", "abs(s_2 - s_1)", "MPa", main=True),
             Given("T_r", "largest range of the shear stress V q_V +- T q_T", turned, "MPa",
@@ -417,11 +505,12 @@ def _numbered(formula: str, number: int) -> str:
 def _static(loaded: LoadedPart, weld: Weld, forces: Mapping[str, FloatArray]) -> Check:
     """Largest force per length on the throat against its strength, by the simplified method."""
     walls, material = weld.walls, loaded.part.material
-    depth = walls.wall if walls.outline == "flat" else walls.size
+    depth = walls.section.depth_out_of_plane
     demand: list[Series | Item] = [
         *(
             Series(symbol, meaning, forces[symbol], unit, main=symbol in ("N", "M_z"))
             for symbol, (meaning, unit) in _FORCES.items()
+            if symbol in forces
         ),
         *_throat(weld),
         Given("c_z", "half its size in the plane", walls.size / 2, "mm", "the part's shape"),

@@ -158,12 +158,13 @@ class Roller:
 class Weld:
     """A weld across a part.
 
-    at              mm, from the part's first interface
+    at              mm, from the part's first interface, or the first of `between`
     walls           that it stands on
     category        MPa, range of nominal stress in the walls that 2e6 cycles endure
     where           where the category is from
     throat          mm; None of a weld without a root that carries load
     partial_factor  least safety of its fatigue
+    between         two neighbouring holes of a plate
     """
 
     at: float
@@ -172,11 +173,13 @@ class Weld:
     where: str
     throat: float | None
     partial_factor: float
+    between: tuple[str, ...] = ()
 
     @property
     def place(self) -> str:
         """Where it is, as reports say it."""
-        return f"{self.at:g} mm"
+        arm = f" from {self.between[0]} to {self.between[1]}" if self.between else ""
+        return f"{self.at:g} mm{arm}"
 
 
 @dataclass(frozen=True)

@@ -220,6 +220,11 @@ class WeldEntry(Table):
     """A weld all round a part, or along both faces of a flat one, across its axis."""
 
     at: Length = Field(description="distance from the part's first interface, along the part")
+    between: Annotated[list[str], Field(min_length=2, max_length=2)] | None = Field(
+        None,
+        description="of a lever or drawn plate: two neighbouring holes, `at` from the first along "
+        "the line to the second; where it has no more it may be left out",
+    )
     detail: DetailName | None = Field(
         None, description="detail of EN 1993-1-9, tables 8.3 to 8.6, which has its category"
     )

@@ -2,7 +2,8 @@
 
 Read in the text of UNI EN 1993-1-9:2005, pages 9 to 16 and 23 to 27; the categories of tables 8.3
 to 8.5 also in another transcription, of the English text. Tubes of table 8.6 with walls above 8 mm
-are not raised to the higher category that the table allows for some.
+are not raised to the higher category that the table allows for some. For attachments that are
+longer than detail 5 of that table has them it points to table 8.4.
 """
 
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ PARTIAL_FACTOR = 1.35  # table 3.1: safe life, high consequence of failure
 HIGHEST = 160.0  # MPa, category in figure 7.1
 _SIZE = 25.0  # mm, thickness above which table 8.3 lowers a category by (25/t)^0.2
 
-Outline = Literal["round", "square", "flat"]
+Outline = Literal["round", "rectangular", "flat", "I"]
 DetailName = Literal[
     "tube on plate by fillet",
     "tube on plate by butt",
@@ -29,6 +30,10 @@ DetailName = Literal[
     "bar end to end from one side tested",
     "attachment across bar",
     "attachment along bar",
+    "attachment on edge",
+    "end to end by butt from both sides",
+    "end to end by butt from both sides tested",
+    "stiffener from flange to flange",
 ]
 
 
@@ -68,7 +73,11 @@ def _any(category: float) -> tuple[tuple[float, float], ...]:
 
 _TUBE = (0.0, 12.5)  # mm, walls of table 8.6
 _THIN = (0.0, 8.0)
+_TUBES: tuple[Outline, ...] = ("round", "rectangular")
+_PLATES: tuple[Outline, ...] = ("flat", "I")
+_ON_TUBE = "table 8.6, detail 5, for l above 100 mm table 8.4, detail 1"
 _TEE = "table 8.5, detail 1"
+_ACROSS = ((50.0, 80.0), (80.0, 71.0))
 # l = 50 mm stands in no row of table 8.5: it counts as longer
 _SHORT = ((nextafter(50.0, 0.0), 80.0), (80.0, 71.0), (100.0, 63.0), (120.0, 56.0))
 _BY_WALL = (
@@ -79,14 +88,23 @@ _BY_WALL = (
 )
 ROWS = (
     Row("tube on plate by fillet", "round", "table 8.6, detail 8", _any(40.0), _THIN, throat=True),
-    Row("tube on plate by fillet", "square", "table 8.6, detail 9", _any(36.0), _THIN, throat=True),
+    Row(
+        "tube on plate by fillet",
+        "rectangular",
+        "table 8.6, detail 9",
+        _any(36.0),
+        _THIN,
+        throat=True,
+    ),
     Row("tube on plate by butt", "round", "table 8.6, detail 6", _any(50.0), _TUBE),
-    Row("tube on plate by butt", "square", "table 8.6, detail 7", _any(45.0), _TUBE),
+    Row("tube on plate by butt", "rectangular", "table 8.6, detail 7", _any(45.0), _TUBE),
     Row("tube end to end by butt", "round", "table 8.6, detail 3", _any(71.0), _TUBE),
-    Row("tube end to end by butt", "square", "table 8.6, detail 4", _any(56.0), _TUBE),
+    Row("tube end to end by butt", "rectangular", "table 8.6, detail 4", _any(56.0), _TUBE),
     Row("tube in socket by fillet", "round", "table 8.5, detail 12", _any(40.0), throat=True),
-    Row("attachment on tube", "round", "table 8.6, detail 5", ((100.0, 71.0),), _TUBE),
-    Row("attachment on tube", "square", "table 8.6, detail 5", ((100.0, 71.0),), _TUBE),
+    *(
+        Row("attachment on tube", outline, _ON_TUBE, ((100.0, 71.0), (inf, 56.0)), _TUBE)
+        for outline in _TUBES
+    ),
     *(
         Row("bar on plate by fillet", "flat", _TEE, lengths, walls, throat=True)
         for walls, lengths in _BY_WALL
@@ -100,13 +118,29 @@ ROWS = (
         _any(71.0),
         size=True,
     ),
-    Row("attachment across bar", "flat", "table 8.4, detail 6", ((50.0, 80.0), (80.0, 71.0))),
-    Row(
-        "attachment along bar",
-        "flat",
-        "table 8.4, detail 1",
-        ((50.0, 80.0), (80.0, 71.0), (100.0, 63.0), (inf, 56.0)),
+    *(
+        row
+        for outline in _PLATES
+        for row in (
+            Row("attachment across bar", outline, "table 8.4, detail 6", _ACROSS),
+            Row(
+                "attachment along bar",
+                outline,
+                "table 8.4, detail 1",
+                (*_ACROSS, (100.0, 63.0), (inf, 56.0)),
+            ),
+            Row("attachment on edge", outline, "table 8.4, detail 5", _any(40.0)),
+            Row(
+                "end to end by butt from both sides tested",
+                outline,
+                "table 8.3, detail 11",
+                _any(80.0),
+                size=True,
+            ),
+        )
     ),
+    Row("stiffener from flange to flange", "I", "table 8.4, detail 7", _ACROSS),
+    Row("end to end by butt from both sides", "I", "table 8.3, detail 12", _any(63.0)),
 )
 
 
@@ -159,4 +193,9 @@ def category_of(
     return category * (min(1.0, _SIZE / wall) ** 0.2 if row.size else 1.0), row
 
 
-_PARTS = {"round": "round tube", "square": "square tube", "flat": "flat bar"}
+_PARTS = {
+    "round": "round tube",
+    "rectangular": "rectangular tube",
+    "flat": "flat bar",
+    "I": "I section",
+}

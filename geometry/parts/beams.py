@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from math import pi
@@ -10,8 +10,20 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geometry.bars import Bar, Profile, RulingSection, Section, even, hollow_profile, i_profile
-from geometry.mesh import Interface
+from geometry.bars import (
+    BESIDE,
+    Bar,
+    Profile,
+    RulingSection,
+    Section,
+    Sections,
+    Walls,
+    chord,
+    even,
+    hollow_profile,
+    i_profile,
+)
+from geometry.mesh import FloatArray, Interface
 from geometry.parameters import ParameterError, a_length, check_above, check_at_least
 from geometry.parts._plates import bore_at, drill
 from geometry.shape import Body, Ligament, Region, Shape, faces_where
@@ -185,6 +197,38 @@ class Beam(Shape):
     def link(self, poisson_ratio: float) -> Bar:
         """The profile between the outermost pins."""
         return even(self.form.sections, 0.0, self.length)
+
+    @property
+    def profile(self) -> Bar:
+        """The profile from end to end, bosses and holes in its area."""
+        own = self.form.sections
+        ends = [-self.overhang, self.length + self.overhang]
+        for hole in self.holes:
+            ends += [hole.at - hole.boss / 2, hole.at + hole.boss / 2]
+
+        def at(x: FloatArray) -> Sections:
+            area = np.full(x.shape, own.area)
+            for hole in self.holes:
+                area += self.gaps * chord(x, [(hole.at, hole.boss / 2)])
+                area -= self.boss_length * chord(x, [(hole.at, hole.diameter / 2)])
+            return replace(own, area=area)
+
+        return Bar(tuple(sorted(ends)), at)
+
+    @property
+    def walls(self) -> tuple[Walls, ...]:
+        """The profile from boss to boss, where the pins' forces have spread over its height."""
+        row = sorted(self.holes, key=lambda hole: hole.at)
+        found = []
+        for one, other in pairwise(row):
+            start, stop = one.at + BESIDE * self.height, other.at - BESIDE * self.height
+            if start < stop:
+                found.append(self._walls((start, stop)))
+        return tuple(found)
+
+    @abstractmethod
+    def _walls(self, stretch: tuple[float, float]) -> Walls:
+        """Walls of a stretch of the profile."""
 
     def ligaments(self, interface: str) -> Sequence[Ligament]:
         """The ring of the boss, on whatever side a force points to; webs behind it left out."""
@@ -367,6 +411,10 @@ class RhsBeam(Beam):
         """The profile's properties."""
         return hollow_profile(self.height, self.width, self.wall, self.corner)
 
+    def _walls(self, stretch: tuple[float, float]) -> Walls:
+        section = self.form.section
+        return Walls("rectangular", self.height, self.wall, stretch, section, corner=self.corner)
+
     def _solid(self, gmsh: Any) -> list[tuple[int, int]]:
         occ = gmsh.model.occ
         h, w, t = self.height, self.width, self.wall
@@ -457,6 +505,19 @@ class IBeam(Beam):
     def form(self) -> Profile:
         """The profile's properties."""
         return i_profile(self.height, self.width, self.web, self.flange, self.root)
+
+    def _walls(self, stretch: tuple[float, float]) -> Walls:
+        form = self.form
+        return Walls(
+            "I",
+            self.height,
+            self._thickest,
+            stretch,
+            form.section,
+            shear=form.shear,
+            torsion=float(form.sections.torsion),
+            warping=form.warping,
+        )
 
     def _solid(self, gmsh: Any) -> list[tuple[int, int]]:
         occ = gmsh.model.occ

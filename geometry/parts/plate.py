@@ -10,7 +10,17 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from geometry.bars import Bar, RulingSection, Section, Sections, rectangle, stretches
+from geometry.bars import (
+    BESIDE,
+    Bar,
+    RulingSection,
+    Section,
+    Sections,
+    Walls,
+    plate_section,
+    rectangle,
+    stretches,
+)
 from geometry.mesh import FloatArray, Interface
 from geometry.outlines import Contour, Edges, PlateOutline, bulge_of
 from geometry.parameters import ParameterError, check_above
@@ -26,6 +36,8 @@ _NEAR = 1e-4  # of a radius: how exactly faces are found
 _STATIONS = 65  # heights of a link, between which they are straight
 _STATED = 1e-3  # mm, how exactly points are usually stated
 _STRAIGHT = 1e-3  # of the bores' distance: how far the sections of a column may lie beside it
+_BESIDE = 32  # sections within a height on either side of one
+_TAPER = 0.25  # slope of an edge up to which a section has the stress of an even bar
 
 Pair = tuple[float, float]
 
@@ -212,6 +224,52 @@ class Plate(Shape):
         places = [self.bores[k].centre for k in self.longest_way]
         steps = [b - a for a, b in pairwise(places)]
         return max((abs(degrees(phase(b / a))) for a, b in pairwise(steps)), default=0.0)
+
+    def walls_across(self, at: float, between: Sequence[str]) -> Walls:
+        """The section across the line from one bore to its neighbour, `at` mm from the first.
+
+        Raises ParameterError where its stress is not a bar's: beside the plate, nearer to a hole
+        than 1.25 of its heights, or where an edge within its height is not nearly along the line.
+        """
+        arms = [f"{self.bores[i].name} and {self.bores[j].name}" for i, j in self.neighbours]
+        pairs = [{self.bores[i].name, self.bores[j].name} for i, j in self.neighbours]
+        names = tuple(between) or (self.interfaces if len(self.bores) == 2 else ())
+        if set(names) not in pairs:
+            told = f"got {' and '.join(names)}" if names else "so state it"
+            raise ParameterError(
+                "between", f"must be two neighbouring holes: {', '.join(arms)}; {told}"
+            )
+        first, last = (self.bores[self.interfaces.index(name)].centre for name in names)
+        way, apart = (last - first) / abs(last - first), abs(last - first)
+        if not 0 <= at <= apart:
+            told = f"beyond {names[1]}, which is {apart:.6g} mm from {names[0]}"
+            raise ParameterError("at", f"{at:g} mm lies {told if at > 0 else f'before {names[0]}'}")
+        point = first + at * way
+        cut = self.outline.cut(point, way)
+        if cut is None or len(cut.spans) > 1:
+            where = "beside the plate" if cut is None else "at a hole"
+            raise ParameterError("at", f"at {at:g} mm the section is {where}")
+        height = cut.ends[1] - cut.ends[0]
+        for contour in self.outline.inner:
+            middle = contour.circle[0] if contour.circle else contour.flat
+            gap = float(np.abs(middle - point).min())
+            if gap < BESIDE * height:
+                raise ParameterError(
+                    "at",
+                    f"at {at:g} mm the stress is not that of a bar: a hole is {gap:.4g} mm away; "
+                    f"it must be at least {BESIDE:g} heights, {BESIDE * height:.4g} mm",
+                )
+        for step in height * np.linspace(-1.0, 1.0, _BESIDE):
+            near = self.outline.cut(point + step * way, way)
+            aside = np.inf if near is None else np.abs(np.subtract(near.ends, cut.ends)).max()
+            if aside > _TAPER * abs(step):
+                raise ParameterError(
+                    "at",
+                    f"at {at:g} mm the stress is not that of a bar: an edge within its height of "
+                    f"{height:.4g} mm is steeper than 1 to {1 / _TAPER:g}",
+                )
+        section = plate_section("arm", height, self.thickness)
+        return Walls("flat", height, self.thickness, (at, at), section, across=(point, way))
 
     def hollow_edges(self, shares: Sequence[float]) -> Iterator[tuple[complex, complex, float]]:
         """Points at shares of every hollow arc of the outer contour, its centre and angle, rad."""

@@ -56,7 +56,7 @@ class PrismaticTube(Shape):
     @property
     def walls(self) -> tuple[Walls, ...]:
         """The tube from end to end."""
-        return (Walls("square", self.width, self.wall, (0.0, self.length), self.sections[0]),)
+        return (Walls("rectangular", self.width, self.wall, (0.0, self.length), self.sections[0]),)
 
     @property
     def clear_width(self) -> float:

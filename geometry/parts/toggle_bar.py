@@ -130,7 +130,7 @@ class ToggleBar(Shape):
         stretch = (max(free + self.width, beside), self.length - beside)
         if not stretch[0] < stretch[1]:
             return ()
-        return (Walls("square", self.width, self.wall, stretch, self.sections[0]),)
+        return (Walls("rectangular", self.width, self.wall, stretch, self.sections[0]),)
 
     def link(self, poisson_ratio: float) -> Bar:
         """A tube, and its cheeks alone beside the cut-out at the knee.

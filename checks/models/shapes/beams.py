@@ -100,27 +100,17 @@ def family(part: Part, shape: Beam, _loads: PartLoads, _kind: str) -> str:
 
 def _stretches(shape: Beam) -> Stretches:
     """The profile's cells, bosses and holes in their area."""
-    ends = [-shape.overhang, shape.length + shape.overhang]
-    for hole in shape.holes:
-        ends += [hole.at - hole.boss / 2, hole.at + hole.boss / 2]
-    cuts = fine_cells(np.unique(ends), 160)
-    x, form = (cuts[1:] + cuts[:-1]) / 2, shape.form
-    area = np.full(len(x), form.section.area)
-    for hole in shape.holes:
-        area += shape.gaps * _chord(hole.boss, x - hole.at)
-        area -= shape.boss_length * _chord(hole.diameter, x - hole.at)
+    bar, form = shape.profile, shape.form
+    cuts = fine_cells(np.unique(bar.cuts), 160)
+    x = (cuts[1:] + cuts[:-1]) / 2
     ones = np.ones(len(x))
     return Stretches(
         cuts,
-        area,
+        bar.at(x[:, None]).area[:, 0],
         ones * form.section.inertia_in_plane,
         ones * form.section.inertia_out_of_plane,
         ones * form.sections.torsion,
     )
-
-
-def _chord(diameter: float, x: FloatArray) -> FloatArray:
-    return np.asarray(2 * np.sqrt(np.maximum(diameter**2 / 4 - x**2, 0.0)))
 
 
 def _add_fibres(

@@ -12,9 +12,10 @@ from checks.design.data import Part
 from checks.handbook.lug_stress import Lug, curved_bar, strip_outline
 from checks.handbook.pin_loaded_hole import CurvedSection, open_hole, pin_loaded_hole
 from checks.models.formula_points import ANGLES, XX, XY, YY, Points, bore_columns
-from checks.models.plate_buckling import FlatSection, PlateForces, deflected, directed, elastic_load
+from checks.models.plate_buckling import PlateForces, deflected, directed, elastic_load
 from checks.models.shape_model import ShapeModel
 from checks.part.part_loads import PartLoads
+from checks.part.plate_loads import FlatSection
 from checks.stress.stress_result import RungModel
 from fem.unit_loads import harmonics_of
 from geometry.bars import BESIDE

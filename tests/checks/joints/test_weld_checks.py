@@ -403,19 +403,28 @@ def test_categories_as_the_tables_have_them():
     """UNI EN 1993-1-9:2005, pages 23 to 27; table 8.5, detail 1, over l and t."""
     for name, outline, wall, length, category in (
         ("tube on plate by fillet", "round", 8.0, None, 40.0),
-        ("tube on plate by fillet", "square", 3.0, None, 36.0),
+        ("tube on plate by fillet", "rectangular", 3.0, None, 36.0),
         ("tube on plate by butt", "round", 12.5, None, 50.0),
-        ("tube on plate by butt", "square", 3.0, None, 45.0),
+        ("tube on plate by butt", "rectangular", 3.0, None, 45.0),
         ("tube end to end by butt", "round", 3.0, None, 71.0),
-        ("tube end to end by butt", "square", 3.0, None, 56.0),
+        ("tube end to end by butt", "rectangular", 3.0, None, 56.0),
         ("tube in socket by fillet", "round", 20.0, None, 40.0),
-        ("attachment on tube", "square", 3.0, 100.0, 71.0),
+        ("attachment on tube", "rectangular", 3.0, 100.0, 71.0),
         ("attachment along bar", "flat", 8.0, 50.0, 80.0),
         ("attachment along bar", "flat", 8.0, 101.0, 56.0),
         ("attachment across bar", "flat", 8.0, 80.0, 71.0),
         ("bar end to end from one side", "flat", 40.0, None, 36.0),
         ("bar end to end from one side tested", "flat", 25.0, None, 71.0),
         ("bar end to end from one side tested", "flat", 50.0, None, 71.0 * 0.5**0.2),
+        ("attachment on tube", "round", 3.0, 101.0, 56.0),
+        ("attachment across bar", "I", 8.0, 50.0, 80.0),
+        ("attachment along bar", "I", 8.0, 100.0, 63.0),
+        ("attachment on edge", "flat", 8.0, None, 40.0),
+        ("attachment on edge", "I", 8.0, None, 40.0),
+        ("stiffener from flange to flange", "I", 8.0, 51.0, 71.0),
+        ("end to end by butt from both sides", "I", 40.0, None, 63.0),
+        ("end to end by butt from both sides tested", "I", 25.0, None, 80.0),
+        ("end to end by butt from both sides tested", "flat", 50.0, None, 80.0 * 0.5**0.2),
     ):
         assert_allclose(category_of(name, outline, wall, length)[0], category, rtol=1e-12)
     for length, wall, category in (
@@ -488,7 +497,8 @@ def test_only_steel_is_judged(tmp_path):
 def test_a_shape_without_walls_is_refused(tmp_path):
     told = (
         r"welds\[0\]\.at: no weld is judged on this shape, "
-        r"but on plate_link, prismatic_tube, toggle_bar, tube_rod"
+        r"but on i_beam, plate_link, prismatic_tube, rhs_beam, toggle_bar, tube_rod, levers and "
+        r"drawn plates"
     )
     with pytest.raises(DesignError, match=told):
         lever(tmp_path, 'welds = [{ at = "40 mm", category = "36 MPa" }]')

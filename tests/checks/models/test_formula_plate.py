@@ -12,10 +12,11 @@ from checks.design.materials import known_materials
 from checks.handbook.lug_stress import curved_bar
 from checks.handbook.pin_loaded_hole import CurvedSection, open_hole
 from checks.models.formula_points import Points
-from checks.models.plate_buckling import FlatSection, PlateForces
+from checks.models.plate_buckling import PlateForces
 from checks.models.shapes import model_of
 from checks.models.shapes.plate import _Arch, stress
 from checks.part.part_loads import PartLoads
+from checks.part.plate_loads import FlatSection
 from fem.recovery import von_mises
 from geometry.closed_form import closed_body
 from geometry.outlines import Contour, PlateOutline
