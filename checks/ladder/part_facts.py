@@ -30,7 +30,7 @@ from geometry.bars import Section
 from geometry.mesh import FloatArray, Interface, MassProperties, Mesh
 
 _LOAD_LIMIT, _RAW_LIMIT = 1e-6, 1e-3
-_NO_COUPLE = 1e-9  # of the largest force times the part's size
+_NO_COUPLE = 1e-6  # of the largest force times the part's size
 _ROUND = ("bore", "journal")
 
 # Largest displacement over size. Linear theory leaves out that a bent beam's ends draw together:
