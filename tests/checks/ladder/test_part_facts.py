@@ -106,10 +106,10 @@ def test_a_couple_about_a_bore_is_told_with_how_it_enters(tmp_path):
     assert not [name for name in facts if "couple" in name]
 
 
-def test_a_couple_that_is_rounding_is_not_told(tmp_path):
-    """1e-9 of 1000 N times a plate of some 190 mm is 2e-4 N mm."""
+def test_a_couple_that_is_next_to_nothing_is_not_told(tmp_path):
+    """1e-6 of 1000 N times a plate of some 190 mm is 0.2 N mm."""
     size = 161 + 30
-    for share, expected in ((0.5e-9, False), (2e-9, True)):
+    for share, expected in ((0.5e-6, False), (2e-6, True)):
         assumed, facts = told(tmp_path, couple=share * 1000 * size)
         assert (COUPLES in assumed) is expected
         assert any("couple" in name for name in facts) is expected
