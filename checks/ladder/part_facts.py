@@ -28,10 +28,8 @@ from fem.unit_loads import ACCELERATIONS
 from fem.unit_solutions import has_bearings
 from geometry.bars import Section
 from geometry.mesh import FloatArray, Interface, MassProperties, Mesh
-from loads import CycleLoads, Revolute
 
 _LOAD_LIMIT, _RAW_LIMIT = 1e-6, 1e-3
-_RUBBING = 1.2  # times friction and peak stress (docs/theory/bearing.md, "Friction")
 _NO_COUPLE = 1e-6  # of the largest force times the part's size
 _ROUND = ("bore", "journal")
 
@@ -183,7 +181,6 @@ def assumed_of(loaded: LoadedPart, level: Level) -> list[str]:
             f"their length, on {degrees(loaded.part.bearing_arc):.0f} to 180 deg"
             + ("; both cheeks carry the same share" if _has_cheeks(level.solutions.mesh) else "")
         )
-    said += rubbing_words(loaded, level.peak.value)
     if _has_couples(level):
         said.append(
             "a couple about a bore's axis enters as an even tangential traction; keys, splines and "
@@ -210,33 +207,6 @@ def assumed_of(loaded: LoadedPart, level: Level) -> list[str]:
             f"stress there; {float(stress.max()):.3g} MPa on this mesh"
         )
     return said
-
-
-def rubbing_words(loaded: LoadedPart, peak: float) -> list[str]:
-    """Assumption: friction of the pins is an even shear in bores, in words; none without friction.
-
-    peak  largest von Mises stress of the part, MPa
-    """
-    shares: dict[str, float] = {}
-    for run in loaded.runs.values():
-        linkage = run.linkage if isinstance(run, CycleLoads) else None
-        for joint in linkage.joints if linkage else ():
-            own = linkage.friction.get(joint.name) if linkage else None
-            if own is None or not isinstance(joint, Revolute):
-                continue
-            for face in loaded.part.geometry.placed_interfaces:
-                at = loaded.part.interfaces.get(face.name)
-                turns = loaded.part.body in (joint.body_a, joint.body_b)
-                if turns and at == joint.point and face.kind in _ROUND:
-                    share = own.coefficient * own.radius / face.radius
-                    shares[face.name] = max(share, shares.get(face.name, 0.0))
-    if not any(shares.values()):
-        return []
-    more = _RUBBING * max(shares.values()) * peak
-    return [
-        f"friction turns {' and '.join(sorted(shares))} by an even shear; a pin that rubs where it "
-        f"presses may add up to {more:.3g} MPa, which is in no bar"
-    ]
 
 
 def _contact_words(level: Level, contact: Contact, part: Part) -> list[str]:

@@ -14,7 +14,7 @@ from checks.ladder.chart_data import charts_of
 from checks.ladder.climb import Climb, answered
 from checks.ladder.leaf_checks import friction_facts, friction_gates, leaf_band, with_leaf_checks
 from checks.ladder.levels import Asked, Say, first_of
-from checks.ladder.part_facts import SMALL_DISPLACEMENT, edges_words, facts_of, rubbing_words
+from checks.ladder.part_facts import SMALL_DISPLACEMENT, edges_words, facts_of
 from checks.ladder.part_fields import as_it_buckles, section_fields
 from checks.ladder.passing_fits import by_run_in_edges, edges_that_pass
 from checks.ladder.solid import RESCALED, check_solid
@@ -69,7 +69,6 @@ def cheap_result(climb: Climb, models: Models, *, live: bool = False) -> PartRes
     bores = {kind: climb.best[kind].bores for kind in (STATIC, FATIGUE) if kind in climb.best}
     bent = {kind: one.evened if one else 0.0 for kind, one in bores.items()}
     assumed = [f"{FORMULA}: {level.model.neglects}", *edges_words(loaded, bent)]
-    assumed += rubbing_words(loaded, level.peak.value)
     skin = models.skin(part.geometry)
     return PartResult(
         name=part.name,

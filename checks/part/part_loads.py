@@ -127,6 +127,8 @@ class PartLoads:
                    accelerations', in balance by itself
     press_fits     bore -> the bush that is pressed into it, for good
     arc            rad, on which pins press in bores by formula
+    rubs           largest friction couple M of a bore's pin over its radius and largest force, and
+                   half its swing over these: what a pin that rubs adds is a doubt (load_doubts)
     """
 
     wrenches: Mapping[str, FloatArray]
@@ -143,6 +145,7 @@ class PartLoads:
     own_swing: Mapping[float, FloatArray] = field(default_factory=dict)
     press_fits: Mapping[str, PressFit] = field(default_factory=dict)
     arc: float = pi
+    rubs: tuple[float, float] = (0.0, 0.0)
 
     @property
     def steps(self) -> IntArray:
@@ -291,6 +294,7 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
         {name: np.concatenate(parts) for name, parts in spins.items()},
         _own_swing(part, placing, {name: solved[name] for name in slices}, design.load_factor),
         part.press_fits,
+        rubs=_rubbing(part, solved, together),
     )
     own = (*_of_press_fits(found), *_of_own_inertia(design, part, solved, found))
     return replace(found, doubts=(*found.doubts, *own))
@@ -321,6 +325,30 @@ def _with_pins(design: Design, part: Part, history: loads.LoadHistory) -> loads.
                 wrenches[:, k, :2] -= mass.mass * pull
                 wrenches[:, k, 5] -= mass.inertia * alpha
     return replace(history, wrenches=wrenches)
+
+
+def _rubbing(part: Part, runs: Runs, wrenches: Mapping[str, FloatArray]) -> tuple[float, float]:
+    """Friction of the pins in a part's bores and on its journals, as `PartLoads.rubs`.
+
+    Of a couple that a drive brings in as well no more counts than the friction may be.
+    """
+    steady = swing = 0.0
+    radii = {face.name: face.radius for face in part.geometry.placed_interfaces}
+    for run in runs.values():
+        linkage = run.linkage if isinstance(run, loads.CycleLoads) else None
+        for joint in linkage.joints if linkage and linkage.friction else ():
+            own = linkage.friction.get(joint.name) if linkage else None
+            if own is None or not isinstance(joint, loads.Revolute):
+                continue
+            for name, point in part.interfaces.items():
+                if point != joint.point or part.body not in (joint.body_a, joint.body_b):
+                    continue
+                couple, force = wrenches[name][:, 5], np.hypot(*wrenches[name][:, :2].T).max()
+                most, per = own.coefficient * own.radius * force, radii[name] * force
+                if most:
+                    steady = max(steady, min(np.abs(couple).max(), most) / per)
+                    swing = max(swing, min(np.ptp(couple) / 2, most) / per)
+    return float(steady), float(swing)
 
 
 def _of_own_inertia(design: Design, part: Part, runs: Runs, found: PartLoads) -> list[PartDoubt]:

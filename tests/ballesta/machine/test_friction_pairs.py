@@ -13,6 +13,10 @@ from ballesta.machine.validity_checks import load_gates
 from ballesta.machine.warnings_of import design_warnings
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
+from checks.part.part_loads import loads_on
+from checks.strength.load_doubts import load_bars
+
+from ...small_machine import PLATE, machine, solved
 
 PRESS = Path(__file__).parents[3] / "designs" / "toggle_press.toml"
 BAR = (4.14134e-3, (125.0, 0.0), 21.56947917)
@@ -120,3 +124,24 @@ def test_friction_on_less_than_the_pins_own_diameter_is_told(diameter, told):
     warnings = [text for text in told_of if "friction" in text]
     assert len(warnings) == told
     assert all("pin_B has 35 mm, whose couple is 3.5 times" in text for text in warnings)
+
+
+def test_pins_that_rub_are_a_doubt_of_the_stress_beside_them(tmp_path):
+    """Friction of 0.1 on 10 mm in bores of 12: m = M/(r F) = 0.1 x 5/6, and 0.85 m of a peak.
+
+    The rod turns to and fro under its force: the couple changes its sign, and half its range is m.
+    """
+    text = PLATE + '[friction.pins]\ncoefficient = 0.1\ndiameter = "10 mm"\n'
+    design = machine(tmp_path, text)
+    rod = design.parts["rod"]
+    loads = loads_on(design, rod, solved(design))
+    share = 0.1 * 5 / 6
+    assert loads.rubs[0] == pytest.approx(share, rel=1e-9)
+    assert 0.5 * share < loads.rubs[1] <= share
+
+    bars = load_bars(loads, lambda _: {"static": 200.0, "fatigue": 50.0})
+    ends = {kind: own["pins that rub where they press"] for kind, own in bars.shares.items()}
+    assert ends["static"] == pytest.approx([1 + 0.85 * share, 1 - 0.85 * share])
+    assert ends["fatigue"][0] == pytest.approx(1 + 1.2 * loads.rubs[1] * 200 / 50)
+    smooth = machine(tmp_path, PLATE)
+    assert not loads_on(smooth, rod, solved(smooth)).rubs[0]

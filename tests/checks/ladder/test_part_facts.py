@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from checks.ladder.part_facts import assumed_of, facts_of, rubbing_words
+from checks.ladder.part_facts import assumed_of, facts_of
 from checks.part.loaded_part import LoadedPart
 from checks.strength.part_strength import elastic_of, endurance_of
 from checks.stress.solid_mesh_level import Models, solve_level
 from geometry.shape import Half
 
-from ...small_machine import PLATE, loads_of, machine, solved
+from ...small_machine import PLATE, loads_of, machine
 
 TUBE = """
 [parts.rod]
@@ -121,17 +121,3 @@ def test_a_solid_says_that_it_does_not_bend_by_its_own_inertia(tmp_path):
     for swing, expected in (((), False), ([(10.0, np.zeros(1))], True)):
         assumed, _ = told(tmp_path, swing=swing)
         assert any(words in text for text in assumed) is expected
-
-
-def test_rubbing_of_pins_is_told_with_its_stress(tmp_path):
-    """Friction of 0.1 on the bores' own 12 mm, peak 200 MPa: 1.2 x 0.1 x 200 MPa."""
-
-    def words(text):
-        design = machine(tmp_path, text)
-        part, runs = design.parts["rod"], solved(design)
-        return rubbing_words(LoadedPart.of(design, part, runs), 200.0)
-
-    (said,) = words(PLATE + '[friction.pins]\ncoefficient = 0.1\ndiameter = "12 mm"\n')
-    assert said.startswith("friction turns first and second by an even shear")
-    assert "up to 24 MPa" in said
-    assert not words(PLATE)

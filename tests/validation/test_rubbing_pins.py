@@ -1,0 +1,97 @@
+"""Stress of a pin that rubs where it presses, beside an even shear with the same couple."""
+
+import numpy as np
+import pytest
+
+from checks.strength.load_doubts import _STEADY, _SWING
+
+from .plane.domains import Fine, Outline, Piece, meshed
+from .plane.model import PlaneModel
+
+R, HALF, LENGTH = 8.0, 20.0, 80.0  # mm: hole, half width, pin to the clamped end
+RUBS = 0.1
+OUTLINE = Outline(
+    (
+        (
+            Piece((-LENGTH, -HALF), "side"),
+            Piece((0.0, -HALF), "end", (0.0, 0.0)),
+            Piece((HALF, 0.0), "end", (0.0, 0.0)),
+            Piece((0.0, HALF), "side"),
+            Piece((-LENGTH, HALF), "held"),
+        ),
+        tuple(
+            Piece((R * x, R * y), "hole", (0.0, 0.0)) for x, y in ((1, 0), (0, -1), (-1, 0), (0, 1))
+        ),
+    ),
+    8.0,
+    (Fine(("hole",), 0.4, 12.0),),
+)
+
+
+@pytest.fixture(scope="module")
+def held():
+    return PlaneModel(meshed(OUTLINE), 210e3, 0.3).held({"held": (0.0, 0.0)})
+
+
+def stresses(held, towards, arc, rubs, *, even):
+    """Stress (n, 4) on the hole under 1 N and the friction's couple, and that couple over R.
+
+    towards, arc  rad, of the force and of the cosine
+    even          the couple is an even shear, else shear is `rubs` times the pressure, which moves
+                  round by the angle of friction and keeps the force
+    """
+    turned = towards if even else towards - np.arctan(rubs)
+    t = np.linspace(-arc / 2, arc / 2, 4001)
+    around = np.cos(np.pi * t / arc)
+    peak = 1 / (R * np.trapezoid(around * np.cos(t), t))
+    peak /= 1.0 if even else np.hypot(1.0, rubs)
+    couple = rubs * np.trapezoid(around, t) * R * peak / (np.hypot(1.0, rubs) if even else 1.0)
+
+    def traction(points, _normals):
+        angle = np.arctan2(points[..., 1], points[..., 0])
+        away = (angle - turned + np.pi) % (2 * np.pi) - np.pi
+        radial = points / np.linalg.norm(points, axis=-1)[..., None]
+        tangent = np.stack([-radial[..., 1], radial[..., 0]], axis=-1)
+        pressed = peak * np.where(np.abs(away) < arc / 2, np.cos(np.pi * away / arc), 0.0)
+        shear = couple / (2 * np.pi * R) if even else rubs * pressed
+        return radial * pressed[..., None] + tangent * np.asarray(shear)[..., None]
+
+    model = held.model
+    load = model.loads({"hole": traction})
+    want = np.array([np.cos(towards), np.sin(towards)])
+    assert np.abs(load.reshape(-1, 2).sum(axis=0) - want).max() < 5e-3
+    return held.solve(load).stress[model.mesh.edge_nodes("hole")], abs(couple)
+
+
+def mises(stress):
+    xx, yy, _, xy = stress.T
+    return np.sqrt(xx**2 - xx * yy + yy**2 + 3 * xy**2)
+
+
+def amplitude(one, other):
+    """Goodman amplitude of equal safety, with a quarter of the ultimate stress as endurance."""
+    xx, yy, _, xy = ((one + other) / 2).T
+    mean = (xx + yy) / 2 + np.hypot((xx - yy) / 2, xy)
+    return (mises((one - other) / 2) + 0.25 * np.maximum(mean, 0.0)).max()
+
+
+@pytest.mark.parametrize("arc", [180, 90])
+def test_bands_hold_what_rubbing_adds(held, arc):
+    """Over all directions of the force, beside the series: 0.5 m of a peak, 1.1 of a swing."""
+    steady = swing = coming = 0.0
+    for towards in np.radians(range(0, 181, 30)):
+        found = {}
+        for even in (True, False):
+            plus, couple = stresses(held, towards, np.radians(arc), RUBS, even=even)
+            minus, _ = stresses(held, towards, np.radians(arc), -RUBS, even=even)
+            found[even] = (
+                max(mises(plus).max(), mises(minus).max()),
+                amplitude(plus, minus),
+                max(amplitude(plus, 0 * plus), amplitude(minus, 0 * plus)),
+            )
+        share = couple * found[True][0]
+        more = [(a - b) / share for a, b in zip(found[False], found[True], strict=True)]
+        steady, swing, coming = max(steady, more[0]), max(swing, more[1]), max(coming, more[2])
+    assert 0.25 * _STEADY < steady < _STEADY
+    assert 0.5 * _SWING < swing < _SWING
+    assert coming < _SWING / 2  # half of the couple's range is half of it
