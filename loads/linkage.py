@@ -227,11 +227,18 @@ def _missing(linkage: Linkage, motions: FloatArray) -> str:
         if not held:
             told[-1] = f"{name!r} (no joint)"
     one = len(told) == 1
+    free = not any(
+        isinstance(j, Revolute) and GROUND in (j.body_a, j.body_b) for j in linkage.joints
+    )
     return (
-        f"a joint or guide is missing on body {told[0]}"
-        if one
-        else f"a joint or guide is missing on one of the bodies {', '.join(told)}"
-    ) + (f", which can move in {most} ways" if most > 1 else "")
+        (
+            f"a joint or guide is missing on body {told[0]}"
+            if one
+            else f"a joint or guide is missing on one of the bodies {', '.join(told)}"
+        )
+        + (f", which can move in {most} ways" if most > 1 else "")
+        + ("; no pin is on the ground: are its points stated?" if free else "")
+    )
 
 
 def _redundant(kinematics: Kinematics, stresses: FloatArray) -> str:

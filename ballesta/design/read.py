@@ -306,9 +306,20 @@ def _with_unit(value: object, metadata: Sequence[object]) -> str:
 def tell_problems(
     error: ValidationError, origins: dict[Way, Way], overridden: set[str], problems: Problems
 ) -> None:
-    """Add each of pydantic's errors to the problems, at the key where the value is written."""
-    for detail in error.errors(include_url=False):
+    """Add each of pydantic's errors to the problems, at the key where the value is written.
+
+    A key that is missing as it is misspelt is told once, where it is written.
+    """
+    errors = error.errors(include_url=False)
+    meant = {
+        (*detail["loc"][:-1], _guess(detail["loc"]))
+        for detail in errors
+        if detail["type"] == "extra_forbidden"
+    }
+    for detail in errors:
         raw: Way = detail["loc"]
+        if detail["type"] == "missing" and raw in meant:
+            continue
         way = _as_written(raw)
         bad_name = way[-1] == "[key]"
         problem = _wording(dict(detail), raw)
@@ -372,11 +383,19 @@ def _unknown_key(way: Way) -> str:
     for parameter in dataclasses.fields(shape) if shape else ():
         if parameter.name == key and parameter.metadata.get("given_by") == GIVEN_BY_LINKAGE:
             return f"must not be stated: {parameter.metadata['meaning']} follows from the points"
-    model = _model_at(way[:-1])
-    known = list(model.model_fields) if model else []
-    guess = nearest(key, known)
-    hint = f"did you mean {guess}?" if guess else f"there are {listed(known)}"
+    guess = _guess(way)
+    hint = f"did you mean {guess}?" if guess else f"there are {listed(_known_keys(way))}"
     return f"unknown key, {hint}"
+
+
+def _guess(way: Way) -> str | None:
+    """The key that an unknown one is nearest to, if one is near."""
+    return nearest(str(way[-1]), _known_keys(way))
+
+
+def _known_keys(way: Way) -> list[str]:
+    model = _model_at(way[:-1])
+    return list(model.model_fields) if model else []
 
 
 def _description(way: Way) -> str | None:

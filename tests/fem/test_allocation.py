@@ -11,10 +11,10 @@ import numpy as np
 from fem.threads import keep_freed_memory
 if {kept}:
     assert keep_freed_memory()
-np.ones(8_000_000)
+np.ones(4_500_000)
 before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
-for _ in range(10):
-    np.ones(8_000_000)
+for _ in range(5):
+    np.ones(4_500_000)
 print(resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before)
 """
 

@@ -137,6 +137,9 @@ def test_too_many_and_too_few_degrees_of_freedom_are_counted():
     linkage = toggle()
     with pytest.raises(LinkageError, match=r"has 3 degrees of freedom \(3 x 3 bodies - 6 .* 2 too"):
         replace(linkage, joints=linkage.joints[:-1], friction={})
+    free = tuple(j for j in linkage.joints if GROUND not in (j.body_a, j.body_b))
+    with pytest.raises(LinkageError, match="no pin is on the ground: are its points stated"):
+        replace(linkage, joints=free, friction={})
     second = Prismatic("guide 2", GROUND, "mould", "C", "A", (0.0, 1.0))
     with pytest.raises(LinkageError, match=r"has -1 degrees of freedom .* 2 too few"):
         replace(linkage, joints=(*linkage.joints, second))

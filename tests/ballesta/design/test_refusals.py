@@ -146,6 +146,12 @@ def test_several_problems_are_all_told_and_an_inherited_one_once(tmp_path):
     assert len(str(caught.value).splitlines()) == 2
 
 
+def test_a_misspelt_key_that_must_be_stated_is_told_once(tmp_path):
+    with pytest.raises(DesignError) as caught:
+        read(tmp_path, ('material = "S355"', 'materiel = "S355"'))
+    assert str(caught.value).endswith("bar_upper.materiel: unknown key, did you mean material?")
+
+
 def test_a_misspelt_force_is_told_without_what_follows_from_it(tmp_path):
     """The force that is meant stands nowhere, so it was told as neither given nor solved, too."""
     with pytest.raises(DesignErrors) as caught:
