@@ -73,10 +73,10 @@ def endless_gates(design: Design, runs: Runs) -> Iterator[Gate]:
 
 
 def _load_cycles(part: Part, run: loads.CycleLoads | loads.MeasuredLoads) -> float:
-    """Cycles of a part's forces in a run that are at least half as large as the largest; 1 or more.
+    """Cycles of a part's loads in a run that are at least half as large as the largest; 1 or more.
 
-    In the part's own axes, in which a steady force swings as the part turns. A measured run may be
-    hours of work.
+    In the part's own axes, in which a steady force swings as the part turns; couples count by the
+    force that they are on the part's length. A measured run may be hours of work.
     """
     bodies = [part.body] if part.body else [lug.body for lug in part.stack]
     angles = _angles(run)
@@ -87,7 +87,7 @@ def _load_cycles(part: Part, run: loads.CycleLoads | loads.MeasuredLoads) -> flo
         if body in angles
         for load in run.body_loads(str(body))
         for force in ((load.force @ [1.0, 1j]) * frame,)
-        for axis in (force.real, force.imag)
+        for axis in (force.real, force.imag, load.moment / part.geometry.length)
     ]
     counted = [count_closed_cycles(force) for force in acting]
     least = _LARGE * max((own.stress_amplitude[0] for own in counted), default=0.0)

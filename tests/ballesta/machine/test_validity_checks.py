@@ -101,13 +101,16 @@ def test_aluminium_has_no_life_without_end(tmp_path):
     assert not gates(PLATE, "duty.cycles.turn=1e12")
 
 
-def test_a_measured_run_of_many_cycles_counts_all_of_them(tmp_path):
-    """100 pulls in a run, and as many ripples of a fifth: 1e7 runs are 1e9 cycles."""
+@pytest.mark.parametrize("couples", [False, True])
+def test_a_measured_run_of_many_cycles_counts_all_of_them(tmp_path, couples):
+    """100 pulls or couples in a run, and as many ripples of a fifth: 1e7 runs are 1e9 cycles."""
     design = machine(tmp_path, PLATE.replace('"S275"', '"6082-T6"'), "duty.cycles.turn=1e7")
     pull = np.tile([0.0, 1e3, 800.0, 1e3], 100)
     zeros = np.zeros(len(pull))
     ends = [
-        MeasuredLoad(point, sign * np.column_stack([pull, zeros]), zeros)
+        MeasuredLoad(point, zeros[:, None] * [1, 1], sign * 100 * pull)
+        if couples
+        else MeasuredLoad(point, sign * np.column_stack([pull, zeros]), zeros)
         for point, sign in (("A", -1), ("B", 1))
     ]
     rod = MeasuredBody(
