@@ -249,3 +249,11 @@ stack = [
     assert [words[:48] for words in told] == [
         "3 bodies on one pin, which turns with coupler, t"
     ] * (not bearer)
+
+
+def test_the_body_that_takes_a_force_at_a_shared_point_is_assumed_where_no_on_names_it(tmp_path):
+    """B of the press is on both bars; by the order of the file its pin has another force."""
+    assert not [key for key, _ in read(tmp_path, text=PRESS).assumed if key.endswith(".on")]
+    silent = read(tmp_path, ('on = "lower"', ""), text=PRESS)
+    (words,) = [words for key, words in silent.assumed if key == "forces.cylinder.on"]
+    assert words.startswith("lower takes its force at B, as the first of lower, upper in the file")
