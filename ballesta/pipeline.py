@@ -393,6 +393,16 @@ def _assumed_here(design: Design) -> Iterator[tuple[str, str]]:
             "none is stated: pins and guides are taken without friction; it changes the forces and "
             "bends the parts by its couples",
         )
+    of_cycles = [cycle.friction or {} for cycle in design.cycles.values()]
+    rubbing = set(design.friction or {}).union(*of_cycles)
+    stated = {part.joint for part in design.parts.values()}
+    for point, joints in design.joints.items():
+        if len(joints) > 1 and point not in stated and rubbing.intersection(j.name for j in joints):
+            yield (
+                f"friction of {point}",
+                f"{len(joints) + 1} bodies on one pin, which turns with {joints[0].body_a}, the "
+                "first of them in the file; a pin part's fixed_to states another",
+            )
     for part in design.parts.values() if design.duty.cycles else ():
         beyond = beyond_size_data(part)
         if beyond is not None:

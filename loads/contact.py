@@ -259,6 +259,7 @@ def _merged(grid: FloatArray, places: FloatArray) -> FloatArray:
 
 
 _STEPS = 60
+_TOUCH = 1e-12  # of the linkage's size: a gap of round-off
 _LEFT = 1e-12  # of depth and deflection: what may be left of a contact's gap
 
 
@@ -415,7 +416,8 @@ def _solve_contact(
 ) -> tuple[Motion, ForceSolution, dict[str, Touch]]:
     kinematics = motion.kinematics
     approach = _Approach(motion, given, solve, name, contact)
-    touching, lift = approach.gap < 0.0, approach.lift
+    # the position that stands at the touch is free, whichever side of it rounding leaves it on
+    touching, lift = approach.gap < -_TOUCH * kinematics.size, approach.lift
     if (touching & (lift < 0.0) & (approach.slope <= 0.0)).any():
         raise LinkageError(
             f"force {name!r}: nothing gives way between a rigid contact and a rigid linkage; "

@@ -6,7 +6,7 @@ were placed for the loads they were solved with first, closest where these turne
 both ends of every phase and the corners of its tables whatever the loads.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from functools import partial
@@ -27,7 +27,7 @@ from loads.cycle_loads import CycleLoads, unresolved
 from loads.elasticity import check_compliance, second_order
 from loads.forces import ForceSolution, one_after_another
 from loads.kinematics import Kinematics
-from loads.laws import Contact, Expression, Law, Opposing, Table, kinks
+from loads.laws import Contact, Expression, Law, Opposing, Table, crests, kinks
 from loads.linkage import Linkage
 from loads.motion import Geometry, Motion, move
 from loads.pace import Cycle, MotorPace, SteadyPace
@@ -218,8 +218,8 @@ class Run:
     def with_corners(self, k: int, grid: FloatArray) -> FloatArray:
         """Return the grid of phase k with the corners of its laws put in.
 
-        Corners of tables, over a coordinate or a speed, and kinks of formulas; where a contact
-        begins, ends, starts to push, and comes nearest.
+        Corners of tables, over a coordinate or a speed; kinks and peaks of formulas; where a
+        contact begins, ends, starts to push, and comes nearest.
         """
         for name, law in self.cycle.phases[k].given.items():
             if isinstance(law, Table):
@@ -227,8 +227,9 @@ class Run:
                 if len(law.values) > 2:
                     grid = with_roots(grid, partial(self._above, law, law.values[1:-1]))
             elif isinstance(law, Expression):
-                grid = with_extremes(grid, partial(self._kinks, k, law))
-                grid = with_roots(grid, partial(self._kinks, k, law))
+                for terms in (crests, kinks):
+                    grid = with_extremes(grid, partial(self._terms, k, law, terms))
+                grid = with_roots(grid, partial(self._terms, k, law, kinks))
             elif isinstance(law, Contact):
                 grid = with_extremes(grid, partial(self._gaps, k, name))
                 grid = with_roots(grid, partial(self._gaps, k, name))
@@ -242,8 +243,14 @@ class Run:
         value = self.path.kinematics.value(table.coordinate, self.path.poses_at(grid))
         return np.array([value - corner for corner in corners])
 
-    def _kinks(self, k: int, law: Expression, grid: FloatArray) -> FloatArray:
-        return kinks(self._motion(k, self.path.at(grid)), law)
+    def _terms(
+        self,
+        k: int,
+        law: Expression,
+        terms: Callable[[Motion, Expression], FloatArray],
+        grid: FloatArray,
+    ) -> FloatArray:
+        return terms(self._motion(k, self.path.at(grid)), law)
 
     def _speeds(self, k: int, name: str, law: Opposing, grid: FloatArray) -> FloatArray:
         """Speed (m, n) of a force's own coordinate above each corner of its table."""

@@ -3,11 +3,13 @@
 A formula gives a force over coordinates of the linkage and their rates. It is a tree of numbers,
 coordinates and functions, in units that go together. It has no function that jumps: a force that
 jumps is one against the motion, or another phase's. Where `abs`, `min` and `max` change over, the
-force has a kink: `kinks` says where, so that a position stands there. Where it would divide by
-nothing on the way it is refused, as no grid of positions sees a pole between two of them.
+force has a kink, and may have a narrow peak where what stands in `exp`, under a power or below a
+division has its own: `kinks` and `crests` say where, so that a position stands there. Where it
+would divide by nothing on the way it is refused, as no grid of positions sees a pole between two of
+them.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import reduce
 from itertools import combinations, pairwise
@@ -16,7 +18,7 @@ from math import isfinite
 import numpy as np
 
 from loads.blow_force import Struck
-from loads.bodies import Coordinate, FloatArray, LinkageError
+from loads.bodies import Angle, Coordinate, FloatArray, LinkageError
 from loads.kinematics import dot
 from loads.motion import Motion
 
@@ -76,6 +78,13 @@ class Expression:
 
     text: str
     term: Term
+
+    @property
+    def turned(self) -> list[str]:
+        """Bodies whose angles, not their rates, it has."""
+        read = [part for part in _parts(self.term) if isinstance(part, Reading) and not part.rate]
+        angles = [part.coordinate for part in read if isinstance(part.coordinate, Angle)]
+        return list(dict.fromkeys(angle.body for angle in angles))
 
 
 @dataclass(frozen=True)
@@ -197,7 +206,16 @@ def expressed(motion: Motion, name: str, law: Expression) -> FloatArray:
 
 def kinks(motion: Motion, law: Expression) -> FloatArray:
     """Return functions (m, n) of the motion whose roots are where a formula has its kinks."""
-    found = [_value(motion, term) for term in _switches(law.term)]
+    return _values(motion, _switches(law.term))
+
+
+def crests(motion: Motion, law: Expression) -> FloatArray:
+    """Return functions (m, n) whose extremes are where a formula may have peaks, however narrow."""
+    return _values(motion, _inner(law.term))
+
+
+def _values(motion: Motion, terms: Iterable[Term]) -> FloatArray:
+    found = [_value(motion, term) for term in terms]
     return np.array(found).reshape(len(found), len(motion.values))
 
 
@@ -251,5 +269,15 @@ def _switches(term: Term) -> Iterator[Term]:
                 yield inner
             case Apply("min" | "max", terms):
                 yield from (Apply("-", pair) for pair in combinations(terms, 2))
+            case _:
+                pass
+
+
+def _inner(term: Term) -> Iterator[Term]:
+    """Terms in `exp`, under powers and below divisions: wide where their functions are narrow."""
+    for part in _parts(term):
+        match part:
+            case Apply("exp" | "**", (inner, *_)) | Apply("/", (_, inner)):
+                yield inner
             case _:
                 pass

@@ -8,7 +8,7 @@ import loads
 from ballesta.design.files import telling
 from checks.design.data import Pair
 from checks.design.errors import Problems, no_such
-from checks.design.model import DesignFile
+from checks.design.model import DesignFile, PinPartEntry
 from checks.design.tables import BodyEntry, FrictionEntry, JointEntry
 from checks.design.units import measure_pair
 from geometry.parameters import ParameterError
@@ -202,7 +202,8 @@ def joints_of(
 ) -> dict[str, tuple[loads.Joint, ...]]:
     """Return the joints whose entries are in order, by name in the file.
 
-    Guides on the ground are named "guide:<body>". A pin of three bodies is two joints.
+    Guides on the ground are named "guide:<body>". A pin of three bodies is two joints, both with
+    the body that it turns with, where they rub; if no part is that pin, with the first of them.
     """
     joints: dict[str, tuple[loads.Joint, ...]] = {}
     for body, stated in file.bodies.items():
@@ -228,7 +229,12 @@ def joints_of(
         elif (slide := _slide(name, entry, file, bodies, problems)) is not None:
             joints[name] = (slide,)
     joints |= {weld.name: (weld,) for weld in welds}
-    for point, (first, *others) in pins.items():
+    bearers = {
+        part.joint: part.fixed_to for part in file.parts.values() if isinstance(part, PinPartEntry)
+    }
+    for point, users in pins.items():
+        bearer = bearers.get(point) if len(users) > 2 else None
+        first, *others = sorted(users, key=lambda user: user != bearer)
         held = [_both(weld) for weld in welds if weld.point == point]
         joints[point] = tuple(
             loads.Revolute(point if len(others) == 1 else f"{point}:{other}", first, other, point)

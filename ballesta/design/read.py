@@ -186,6 +186,7 @@ def _assembled(
         assumed=(
             *assumed.items(),
             *_assumed_stops(model),
+            *_assumed_sides(model),
             *(reason for run in measured.values() for reason in run.assumed),
             *told_of_steps(parts),
             *told_of_widths(parts, model.parts),
@@ -245,6 +246,21 @@ def _assumed_stops(model: DesignFile) -> Iterator[tuple[str, str]]:
         key = f"cycles.{name}.stop"
         if cycle.stop is not None and cycle.stop.basis == "assumed" and key not in model.assumed:
             yield key, "nothing mechanical ends the travel there"
+
+
+def _assumed_sides(model: DesignFile) -> Iterator[tuple[str, str]]:
+    """Bodies that take a force at a point they share with others, as no `on` names one there."""
+    for name, force in model.forces.items():
+        key = f"forces.{name}.on"
+        for point in force.between or ():
+            users = [body for body, stated in model.bodies.items() if point in stated.pins]
+            shared = len(users) > 1 and point not in model.ground and force.on not in users
+            if shared and key not in model.assumed:
+                yield (
+                    key,
+                    f"{users[0]} takes its force at {point}, as the first of {', '.join(users)} in "
+                    "the file; what they pass on through the pin there depends on it",
+                )
 
 
 def _is_fitted(part: Part) -> bool:

@@ -371,7 +371,7 @@ def _cycle_time(design: Design, name: str, cycle: loads.CycleLoads) -> list[Gate
     return [
         Gate(
             f"{name}: time of a cycle",
-            float(cycle.times[-1]) / allowed,
+            round(float(cycle.times[-1]) / allowed, 9),  # a machine may run just as often
             1.0,
             f"one cycle takes {number(cycle.times[-1])} s, the duty of "
             f"{60 * design.duty.rate:.4g} 1/min allows {number(allowed)} s",

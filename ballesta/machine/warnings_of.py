@@ -1,5 +1,6 @@
 """Warnings about the machine rather than its parts: drive, cycle time, stop, assembly."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -15,6 +16,7 @@ from checks.result.words import quantity_unit
 from geometry.parts import Pin
 from geometry.parts.pin import as_pin
 
+_HALF_TURN = 180.0 + 1e-6  # deg
 _STATED = 1e-3  # mm, how exactly points are usually stated
 _FAR = 3.0  # diameters of its hole that a plate beside another may stand away
 _ROUND_OFF = 1e-6
@@ -88,6 +90,7 @@ def load_warnings(
     """Warnings of the loads alone, beside their gates: small reserves, assumed stops."""
     return [
         *_assembly_gap(design, masses),
+        *_turns_apart(design),
         *_drives(design, solved),
         *_open_cycles(design, solved),
         *stop_warnings(design, solved),
@@ -109,6 +112,25 @@ def _assembly_gap(
         f"the stated points leave joint {joint} open by {gap:.3g} mm; the bodies were moved and "
         "turned until it closed"
     ]
+
+
+def _turns_apart(design: Design) -> list[str]:
+    """Formulas of angles that are more than half a turn apart where the linkage is assembled."""
+    warnings: dict[str, None] = {}
+    for cycle in design.cycles.values():
+        for phase in cycle.run.phases:
+            for name, law in phase.given.items():
+                if not isinstance(law, loads.Expression):
+                    continue
+                angles = {body: math.degrees(design.assembled[body][2]) for body in law.turned}
+                if angles and max(angles.values()) - min(angles.values()) > _HALF_TURN:
+                    told = " and ".join(f"{body}.angle = {a:.4g} deg" for body, a in angles.items())
+                    warnings[
+                        f"{name}: its formula has {told} where the linkage is assembled, more than "
+                        "half a turn apart: angles are from -180 to 180 deg there, and go on from "
+                        "that; must 360 deg be added to one?"
+                    ] = None
+    return list(warnings)
 
 
 def unloaded_warnings(results: Sequence[PartResult]) -> list[str]:

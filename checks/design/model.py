@@ -355,7 +355,10 @@ class PinPartEntry(PartEntry):
     joint: str = Field(
         description="the point whose bodies the pin joins, or at which a force meets one body"
     )
-    fixed_to: str = Field(description="the body that the pin turns with")
+    fixed_to: str = Field(
+        description="the body that the pin turns with; of three bodies and more on a pin with "
+        "friction the others rub on it"
+    )
     stack: list[StackEntry] = Field(min_length=1, description="the lugs on the pin")
 
 

@@ -72,6 +72,11 @@ _COMMON_UNITS = [
     *("mm", "cm", "m", "um", "inch", "N", "kN", "MN", "g", "kg", "t", "tonne", "Pa", "MPa", "GPa"),
     *("s", "ms", "min", "h", "Hz", "rad", "deg", "%"),
 ]
+_SEVERAL = {  # names of units of several sizes
+    "ton": "is 1000 kg to some, 907 or 1016 kg to others: write t, or kg",
+    "gallon": "is 3.785 l to some, 4.546 l to others: write l",
+}
+_SEVERAL |= {"tons": _SEVERAL["ton"], "gal": _SEVERAL["gallon"], "gallons": _SEVERAL["gallon"]}
 _FITS = {  # by whether what is in the bore is pressed in
     False: '"H7/f7", or a clearance on diameter such as "0.02 .. 0.06 mm"',
     True: '"H7/p6", or an interference on diameter such as "0.02 .. 0.05 mm"',
@@ -164,6 +169,8 @@ def _unit(text: str) -> Unit:
         if name == "1":
             continue
         name = {"°": "deg", "%": "percent"}.get(name, name)
+        if name in _SEVERAL:
+            raise ValueError(f'unit "{name}" {_SEVERAL[name]}')
         try:
             unit = KNOWN_UNITS.get(name) or pint_unit(name)
         except ValueError:

@@ -49,6 +49,21 @@ def test_a_contact_much_shorter_than_a_step_is_found(depth, start):
     assert_allclose(cycle.efforts["push"].max(), 5e5 * depth, rtol=1e-6)
 
 
+def test_a_contact_begins_at_its_touch_on_whichever_side_of_it_round_off_lies():
+    """The last free position before a blow has its speed: its own at the stop."""
+    linkage = slider_crank(50.0, 200.0, at=0.3)
+    linkage = replace(
+        linkage,
+        forces=(linkage.forces[0], Force("push", PointCoordinate("slider", "B", (-1.0, 0.0)))),
+    )
+    crank = Angle("crank")
+    for at in np.linspace(160.0, 245.0, 12):
+        phase = Phase("turn", 0.3 + 2 * np.pi, {"push": Contact(-at, 5e3)}, "drive")
+        cycle = run_cycle(linkage, Cycle("turn", crank, 0.3, SteadyPace(crank, 5.0), (phase,), 361))
+        begins = cycle.contacts["push"].begins
+        assert_allclose(cycle.point("slider", "B")[begins, 0], at, atol=1e-9)
+
+
 @pytest.mark.parametrize("width", [0.1, 1e-3, 1e-4])
 def test_a_narrow_table_over_another_coordinate_is_not_missed(width):
     """A triangle of -1000 N over the slider's place; its work over a turn is nothing."""

@@ -151,6 +151,14 @@ def test_a_gate_breaks_when_it_should(override, name, binding):
         assert "press: time of a cycle" not in broken
 
 
+@pytest.mark.parametrize("turns", [7, 13, 17, 29])
+def test_a_machine_that_runs_just_as_often_as_its_duty_asks_meets_it(turns):
+    """Of the time of a turn by the pace and of the rate's, one or the other may be a bit more."""
+    asked = [f"cycles.at_300.pace.speed={turns} rpm", f"duty.rate={turns} 1/min"]
+    found = gates(*asked, file="designs/slider_crank.toml", cycles=["at_300"])
+    assert found["at_300: time of a cycle"].holds
+
+
 def test_a_dead_centre_that_is_near_breaks_its_gate():
     """The share is 0.0538 at x = 2 mm; with a tenth of it the reciprocal is 186, the limit 50."""
     design = read_design(ROOT / PRESS, MASSES)

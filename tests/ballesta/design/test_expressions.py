@@ -13,6 +13,7 @@ import pytest
 import loads
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import linkage_of
+from ballesta.machine.warnings_of import load_warnings
 from checks.design.errors import DesignError
 
 ROOT = Path(__file__).parents[3]
@@ -158,3 +159,14 @@ def test_a_plain_zero_has_any_unit_and_parentheses_none(tmp_path):
     deep = formula("(" * 90 + "max(0, F)" + ")" * 90, F="-1 N")
     assert solved(read(tmp_path, gas=deep)).efforts["gas"] == pytest.approx(0.0)
     assert solved(read(tmp_path, gas=formula("0"))).efforts["gas"] == pytest.approx(0.0)
+
+
+def test_angles_that_are_more_than_half_a_turn_apart_as_assembled_are_warned_of(tmp_path):
+    """Crank at -154 deg and rod at 153 deg on the left: 307 deg apart, 53 deg by the eye."""
+    winds = formula("k * (crank.angle - rod.angle)", k="1 N m/rad")
+    left = ["points.A=-90, -43.58898944 mm", "points.B=-223.3979, 25 mm"]
+    for overrides, told in ((left, True), ([], False)):
+        design = read(tmp_path, spring=winds, overrides=overrides)
+        warnings = [text for text in load_warnings(design, {}, {}) if text.startswith("spring")]
+        assert len(warnings) == told
+        assert all("crank.angle = -154.2 deg and rod.angle = 152.8 deg" in w for w in warnings)

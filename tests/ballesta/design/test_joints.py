@@ -12,6 +12,7 @@ import loads
 from ballesta.commands.plan import plan_text
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import linkage_of
+from ballesta.pipeline import _assumed_here
 from checks.design.errors import DesignError, DesignErrors
 
 DESIGNS = Path(__file__).parents[3] / "designs"
@@ -218,3 +219,41 @@ def test_a_design_without_cycles_is_refused(tmp_path):
     text = LEVER[: LEVER.index("[cycles.at_4]")]
     with pytest.raises(DesignError, match=r"cycles: must be stated: what the machine does"):
         read(tmp_path, text=text)
+
+
+@pytest.mark.parametrize("bearer", ["", "coupler", "rocker", "toggle"])
+def test_three_bodies_on_a_pin_rub_on_the_one_that_it_turns_with(tmp_path, bearer):
+    """Without a part that is the pin, on the first of the file, which is told as assumed."""
+    text = (DESIGNS / "gallery" / "riveting_press.toml").read_text()
+    pin = f"""[parts.pin_B]
+joint = "B"
+shape = "pin"
+fixed_to = "{bearer}"
+material = "42CrMo4"
+diameter = "40 mm"
+stack = [
+  {{ body = "coupler", at = "0 mm", width = "20 mm" }},
+  {{ body = "rocker", at = "30 mm", width = "30 mm" }},
+  {{ body = "toggle", at = "65 mm", width = "30 mm" }},
+]
+"""
+    rubs = '[friction.pins]\ncoefficient = 0.1\ndiameter = "30 mm"\n'
+    change = ("[assumed]", rubs + (pin if bearer else "") + "[assumed]")
+    design = read(tmp_path, ('hole = "30 mm"', 'hole = "40 mm"'), change, text=text)
+    joints = design.joints["B"]
+    assert [joint.body_a for joint in joints] == [bearer or "coupler"] * 2
+    assert {joint.body_b for joint in joints} == {"coupler", "rocker", "toggle"} - {
+        joints[0].body_a
+    }
+    told = [words for key, words in _assumed_here(design) if key == "friction of B"]
+    assert [words[:48] for words in told] == [
+        "3 bodies on one pin, which turns with coupler, t"
+    ] * (not bearer)
+
+
+def test_the_body_that_takes_a_force_at_a_shared_point_is_assumed_where_no_on_names_it(tmp_path):
+    """B of the press is on both bars; by the order of the file its pin has another force."""
+    assert not [key for key, _ in read(tmp_path, text=PRESS).assumed if key.endswith(".on")]
+    silent = read(tmp_path, ('on = "lower"', ""), text=PRESS)
+    (words,) = [words for key, words in silent.assumed if key == "forces.cylinder.on"]
+    assert words.startswith("lower takes its force at B, as the first of lower, upper in the file")

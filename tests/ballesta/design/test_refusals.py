@@ -37,6 +37,7 @@ REFUSED = {
     "decimal comma": (('wall = "6.3 mm"', 'wall = "6,3 mm"'), r"decimals are written with a point"),
     "infinite": (('mass = "10 kg"', "mass = inf"), r"bodies\.mould\.mass: .*not finite"),
     "not a number": (('mass = "10 kg"', "mass = nan"), r"bodies\.mould\.mass: .*not finite"),
+    "unit of several sizes": (('mass = "10 kg"', 'mass = "2 ton"'), r'unit "ton" is 1000 kg to some, 907 or 1016 kg to others: write t'),
     "unknown unit": (('width = "80 mm"', 'width = "80 milimeter"'), r'unit "milimeter" is unknown'),
     "negative mass": (('mass = "10 kg"', 'mass = "-10 kg"'), r'bodies\.mould\.mass: must be at least 0 kg, got "-10 kg"'),
     "hole beyond width": (('hole = "44 mm"', 'hole = "90 mm"'), r"parts\.bar_upper\.hole: 90 mm is larger than the bar's width of 80 mm"),
