@@ -324,7 +324,7 @@ def tell_problems(
 ) -> None:
     """Add each of pydantic's errors to the problems, at the key where the value is written.
 
-    A key that is missing as it is misspelt is told once, where it is written.
+    Of a key that is missing as it is misspelt only the misspelling is.
     """
     errors = error.errors(include_url=False)
     meant = {
