@@ -324,7 +324,7 @@ def tell_problems(
 ) -> None:
     """Add each of pydantic's errors to the problems, at the key where the value is written.
 
-    Of a key that is missing as it is misspelt only the misspelling is.
+    A key that is missing because it is misspelt has one problem, where it is written.
     """
     errors = error.errors(include_url=False)
     meant = {
