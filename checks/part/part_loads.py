@@ -256,8 +256,10 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
         labels += labels_of(design, name, cycle_loads)
         names += [name] * len(values)
         stretch_of.append(stretches_of(cycle_loads))
-        known = isinstance(cycle_loads, loads.CycleLoads)
-        path.append(values if known else np.full(len(values), np.nan))
+        if isinstance(cycle_loads, loads.CycleLoads):
+            path.append(_way(design.cycles[name].run, values))
+        else:
+            path.append(np.full(len(values), np.nan))
         for entry in part.stack:
             spins.setdefault(entry.name, []).append(_spin(cycle_loads, part, entry))
         slices[name] = slice(start, start + len(values))
@@ -291,6 +293,16 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
         part.press_fits,
     )
     return replace(found, doubts=(*found.doubts, *_of_press_fits(found)))
+
+
+def _way(cycle: loads.Cycle, values: FloatArray) -> FloatArray:
+    """Positions (n,) of a cycle; turns of an event go on where the last one ended."""
+    if all(phase.begin is None for phase in cycle.phases):
+        return values
+    start, stop = cycle.spans[0]
+    steps = np.diff(values)
+    steps[steps * (stop - start) < 0.0] = 0.0
+    return np.append(values[:1], values[0] + np.cumsum(steps))
 
 
 def _of_press_fits(loads: PartLoads) -> list[PartDoubt]:
