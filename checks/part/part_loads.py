@@ -352,7 +352,8 @@ def stretches_of(cycle: loads.CycleLoads | loads.MeasuredLoads) -> IntArray:
     """Number (n,) of the stretch of a cycle, between two jumps, that each position is in."""
     jumps = np.diff(cycle.phase_of) != 0
     if isinstance(cycle, loads.CycleLoads):
-        for touch in cycle.touches.values():
+        touches = () if cycle.swings else cycle.touches.values()  # a swing has its own contact
+        for touch in touches:
             jumps |= touch.touching[1:] != touch.touching[:-1]
         for load in cycle.reactions.values():
             for rubbing in (load.friction_couple, load.friction_force):

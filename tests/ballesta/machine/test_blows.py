@@ -25,7 +25,7 @@ from ballesta.machine.validity_checks import load_gates
 from ballesta.pipeline import NOT_CHECKED, _not_checked
 from checks.design.errors import DesignError
 from checks.models.shapes.leaf_pack import leaf_bar
-from checks.part.part_loads import loads_on
+from checks.part.part_loads import loads_on, stretches_of
 from loads import moments_of_blows
 from reports.loads_page import loads_html
 from reports.loads_text import loads_text
@@ -417,6 +417,14 @@ def test_a_blow_that_is_solved_is_told_by_its_force(tmp_path):
 def test_an_answer_that_cannot_be_is_refused(answers, message, tmp_path):
     with pytest.raises(DesignError, match=message):
         read_design(stop_design(tmp_path, ("restitution = 0.3", answers)))
+
+
+def test_loads_of_a_swing_jump_at_no_touch_of_the_contact_that_it_replaces(tmp_path):
+    """The spring of 1 kN/mm is touched as if slowly; a swing meets it at moments of its own."""
+    design = read_design(stop_design(tmp_path))
+    cycle = solve_cycles(design, {})["run"]
+    assert stretches_of(cycle)[-1] == 2
+    assert stretches_of(replace(cycle, swings=True))[-1] == 0
 
 
 def test_a_flywheel_strikes_with_all_that_it_turns(tmp_path):
