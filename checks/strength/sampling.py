@@ -316,11 +316,12 @@ def _even(step: FloatArray, first: int, last: int) -> list[tuple[int, int]]:
 
     A blow has its moments close together; there a spline of short steps rings in the long ones.
     """
-    at = np.arange(first + 1, last)
-    apart = np.abs(np.log(step[at] / step[at - 1])) > np.log(_UNEVEN)
+    at = np.arange(first + _OF_ITS_OWN, last - _OF_ITS_OWN + 1)
+    before = np.maximum(step[at - 1], step[at - 2])  # one short step alone rings nowhere
+    after = np.maximum(step[at], step[at + 1])
     ends = [first]
-    for k in at[apart].tolist():
-        if k - ends[-1] >= _OF_ITS_OWN and last - k >= _OF_ITS_OWN:
+    for k in at[(step[at - 1] > _UNEVEN * after) | (step[at] > _UNEVEN * before)].tolist():
+        if k - ends[-1] >= _OF_ITS_OWN:
             ends.append(k)
     return [*pairwise([*ends, last])]
 
