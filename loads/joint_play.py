@@ -87,16 +87,24 @@ def play_hits(
 
 
 def with_hits(
-    cycle: CycleLoads, joint: str, hits: Sequence[Hit], inertia: float = inf
+    cycle: CycleLoads,
+    joint: str,
+    hits: Sequence[Hit],
+    inertia: float = inf,
+    times: FloatArray | None = None,
 ) -> CycleLoads:
     """Return the cycle with what hits add to a joint, along its force, and to all other loads.
+
+    times  (m,) s, of the rows of the hits, where these are of the cycle without its blow
 
     Bodies stay in equilibrium: the pair of forces at the joint accelerates them. Poses stay.
     """
     force = cycle.reactions[joint].force
-    added = np.zeros(len(force))
+    added = np.zeros(len(force if times is None else times))
     for hit in hits:
         added[hit.rows] = np.maximum(added[hit.rows], hit.added)
+    if times is not None:
+        added = np.interp(cycle.times, times, added)
     sizes = np.hypot(*force.T)
     push = force * (added / np.where(sizes > 0.0, sizes, 1.0))[:, None]
     opened = _opened(cycle, joint, inertia)

@@ -135,6 +135,13 @@ def contact_sentence(contact: ContactSummary, cycle: ShownCycle) -> str:
     if contact.stated is not None:
         places = " and ".join(place_text(at) for at in contact.stated.at)
         said += f" at {brief(contact.stated.coordinate, 30)} = {places} {length}"
+    known = [
+        blow.solved
+        for blow in cycle.blows
+        if blow.force == contact.name and blow.solved is not None
+    ]
+    if not contact.spans and known:
+        return f"{said}: touches in its blow alone"
     if not contact.spans:
         near = "" if contact.nearest is None else f", {number(contact.nearest)} {length} stay free"
         return f"{said}: does not touch in this cycle{near}"
@@ -159,11 +166,6 @@ def contact_sentence(contact: ContactSummary, cycle: ShownCycle) -> str:
     )
     if contact.deflection > 0.0:
         said += f", the linkage gives way by up to {number(contact.deflection)} {length}"
-    known = [
-        blow.solved
-        for blow in cycle.blows
-        if blow.force == contact.name and blow.solved is not None
-    ]
     if any(blow.count for blow in known):
         return f"{said}; it would as if slowly, and swings by its blows in these loads"
     said += f"; {brief(contact.body, 30)} {_held(contact)}"

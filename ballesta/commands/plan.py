@@ -9,8 +9,8 @@ import loads
 from ballesta.design.read import read_design
 from ballesta.machine.runs import solved_runs
 from checks.design.data import Design, Part
-from checks.ladder.levels import first_mesh
-from checks.part.loaded_part import FIRST, LoadedPart
+from checks.ladder.levels import planned_mesh
+from checks.part.loaded_part import LoadedPart
 from checks.stress.kept_models import (
     SECOND_MESH,
     mesh_seconds,
@@ -48,7 +48,7 @@ def plan(design: Design) -> list[PlannedPart]:
     planned = []
     for part in design.parts.values():
         with told_of_part(design, part):
-            mesh = first_mesh(part, part.geometry, FIRST * part.fineness, models)
+            mesh = planned_mesh(part, models)
             part_loads = LoadedPart.of(design, part, runs, models).loads
         first = 3 * len(mesh.nodes)
         halved = half_of(part, part_loads) is not None

@@ -294,6 +294,8 @@ def _gates(name: str, struck: StruckCycle) -> Iterator[Gate]:
         1.0,
         "three periods of the fastest mode over the time of contact: more, and the lumped masses "
         "are too few for it",
+        cure="State how far the workpiece and what lies beneath it give way (blow.stiffness), "
+        "also beside blow.yields: on a stiff one all is over too soon",
     )
     yield Gate(
         f"{name}: pose in the blow",

@@ -50,6 +50,8 @@ _NOTHING = 1e-3  # of a joint's largest force: less is not worth the loads at an
 _TOLD = 0.02
 
 
+NO_BLOWS: Solved = {}
+
 _Told = tuple[float, str, str]  # share of the largest force that is added, point, words
 
 
@@ -64,8 +66,13 @@ class _Seat:
     stiffness: float
 
 
-def play_pairs(design: Design, solved: Solved) -> tuple[list[LoadPair], list[tuple[str, str]]]:
+def play_pairs(
+    design: Design, solved: Solved, struck: Solved = NO_BLOWS
+) -> tuple[list[LoadPair], list[tuple[str, str]]]:
     """Loads without and with the hits of every joint that has a fit, and what is assumed of others.
+
+    struck  cycles with the moments of their blows, which have the hits of those without on top: a
+            blow that began under a hit would keep its force for as long as it lasts
 
     Of several bores of a joint with fits the largest plays add up. Pins that are stated as
     cushioned hit nothing; an assumption has what they would add.
@@ -90,12 +97,13 @@ def play_pairs(design: Design, solved: Solved) -> tuple[list[LoadPair], list[tup
             of = cushioned if joint.point_b in design.dynamics.cushioned else silent
             of.append((added / most, joint.point_b, said))
         elif not told and added > _NOTHING * most:
+            acting = {**solved, **struck}
             end = {
-                cycle: loads.with_hits(own, name, hits[cycle], drives[cycle])
-                for cycle, own in solved.items()
+                cycle: loads.with_hits(own, name, hits[cycle], drives[cycle], solved[cycle].times)
+                for cycle, own in acting.items()
             }
             words = f"play of {play:g} mm in {name} {HITS}"
-            pairs.append(LoadPair(words, (solved, end)))
+            pairs.append(LoadPair(words, (acting, end)))
     return pairs, [*_assumed(silent), *_taken(design.dynamics.cushioned, cushioned)]
 
 
@@ -280,7 +288,8 @@ def doubts_of(design: Design, machine: MachineRuns) -> MachineDoubts:
     """Solve the cycles at the ends of every doubt about their loads."""
     evenness = evenness_of(design, machine.rigid)
     rubbing, unsolved = friction_pairs(design, machine.rigid)
-    hitting, without_fit = play_pairs(design, machine.rigid)
+    struck = {name: machine.solved[name] for name in machine.blows}
+    hitting, without_fit = play_pairs(design, machine.rigid, struck)
     stopping, beyond = stop_doubts(design, machine.rigid)
     speeds = speed_doubts(design, machine.rigid, evenness)
     pairs = [*speeds, *stopping, *rubbing, *hitting]
@@ -288,8 +297,11 @@ def doubts_of(design: Design, machine: MachineRuns) -> MachineDoubts:
     ends: list[Transients] = []
 
     def runs(end: Mapping[str, loads.CycleLoads], pick: str = "") -> Runs:
-        ends.append(transients_of(design, end, machine.vibration, pick))
-        return {**ends[-1].cycles, **machine.measured}
+        done = {name: own for name, own in end.items() if own.unstruck is not None}
+        still = {name: own for name, own in end.items() if name not in done}
+        ends.append(transients_of(design, still, machine.vibration, pick))
+        found = {**ends[-1].cycles, **done}
+        return {**{name: found[name] for name in end}, **machine.measured}
 
     doubts = [
         Doubt(pair.words, tuple(map(runs, pair.ends)), speed=k < len(speeds))

@@ -1,5 +1,7 @@
 """Elastic buckling by eigenvalues, of a solid and of the linkage: what no formula gives."""
 
+from math import inf
+
 from checks.columns.column_limits import planes_of
 from checks.columns.linkage_search import LinkageMode
 from checks.columns.stability import axial_compression, judged_columns
@@ -44,20 +46,34 @@ def solid_share(loaded: LoadedPart, check: Check, mode: BucklingMode, unknowns: 
     """Of the share of the elastic buckling load of a solid."""
     loads = loaded.loads
     position = position_of(loads, check)
+    own = [
+        Given(symbol, meaning, size, "", "docs/theory/buckling.md")
+        for symbol, meaning, size in (
+            ("e_num", "error bar of the eigenvalue", check.numerical - check.sampling),
+            ("b_lo", "model band below: stiff forks", check.below - check.loads_below),
+        )
+        if 0.0 < size < inf
+    ]
+    said = {item.symbol for item in own}
     return Derivation(
         cases=(load_case(loaded.part, loads, position),),
         sections=(
             Section("Demand", tuple(_factor(mode.factor, f"{mode.plane} mode", "buckling.md"))),
             Section("Limit", (_ONE,)),
+            *([Section(BARS, tuple(own))] if own else []),
         ),
         value="share",
         limit="one",
         unproved=f"the factor is the lowest eigenvalue of {unknowns} unknowns, K x = −λ K_G x with "
         "the stress of this position in K_G: no formula gives it or its own error bars",
         compared=tuple(_euler_alone(loaded, position, check.value)),
-        bars=BarSymbols(words="estimated error of its lowest modes, how far the factor moves from "
-                  "mesh to mesh, and what a count of all lower ones leaves; below, the fixity of "
-                  "forks: docs/theory/buckling.md"),
+        bars=BarSymbols(
+            numerical="e_num" if "e_num" in said else "",
+            below="b_lo" if "b_lo" in said else "",
+            words="estimated error of its lowest modes, how far the factor moves from mesh to "
+            "mesh, and what a count of all lower ones leaves; below, the fixity of forks: "
+            "docs/theory/buckling.md",
+        ),
     )  # fmt: skip
 
 

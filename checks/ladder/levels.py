@@ -1,7 +1,7 @@
 """Finer and finer meshes of a part, until its stress is known well enough."""
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from time import perf_counter
 
@@ -86,7 +86,7 @@ def solve_levels(
     begun: Sequence[Level] = (),
     sizes: SizeField | None = None,
 ) -> tuple[list[Level], SizeField | None, str]:
-    """Solve a part on finer and finer meshes.
+    """Solve a part on finer and finer meshes, from a coarse one where the first would be too large.
 
     enough    why no finer mesh than some is needed; "" if one is
     accuracy  wanted where the design's is reached, by the meshes; none other if nothing is said
@@ -114,6 +114,10 @@ def solve_levels(
                 first_mesh(part, first, base, models)
             solutions = models.solutions(finer if levels else first, base, material, sizes)
         except TooManyElementsError as error:
+            if not levels and asked.first > COARSE:
+                asked = replace(asked, first=COARSE)
+                base = COARSE * part.fineness
+                continue
             if len(levels) < 2:  # one mesh has no error bar
                 raise
             return levels, sizes, f"a finer mesh was not solved: {error}"
@@ -232,6 +236,14 @@ def first_mesh(part: Part, shape: Buildable, fineness: float, models: Models) ->
     if unknowns > part.most_unknowns:
         raise _too_many(part, f"has {unknowns}")
     return mesh
+
+
+def planned_mesh(part: Part, models: Models) -> Mesh:
+    """The first mesh of a part's whole shape, as `solve_levels` takes it."""
+    try:
+        return first_mesh(part, part.geometry, FIRST * part.fineness, models)
+    except TooManyElementsError:
+        return first_mesh(part, part.geometry, COARSE * part.fineness, models)
 
 
 def _too_many(part: Part, found: str) -> TooManyElementsError:

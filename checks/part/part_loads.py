@@ -261,8 +261,10 @@ def loads_on(design: Design, part: Part, solved: Runs, doubts: Sequence[Doubt] =
         labels += labels_of(design, name, cycle_loads)
         names += [name] * len(values)
         stretch_of.append(stretches_of(cycle_loads))
-        known = isinstance(cycle_loads, loads.CycleLoads)
-        path.append(values if known else np.full(len(values), np.nan))
+        if isinstance(cycle_loads, loads.CycleLoads):
+            path.append(_way(design.cycles[name].run, values))
+        else:
+            path.append(np.full(len(values), np.nan))
         for entry in part.stack:
             spins.setdefault(entry.name, []).append(_spin(cycle_loads, part, entry))
         slices[name] = slice(start, start + len(values))
@@ -374,6 +376,16 @@ def _of_own_inertia(design: Design, part: Part, runs: Runs, found: PartLoads) ->
     return [PartDoubt(words, (replace(found, wrenches=wrenches, doubts=()),))]
 
 
+def _way(cycle: loads.Cycle, values: FloatArray) -> FloatArray:
+    """Positions (n,) of a cycle; turns of an event go on where the last one ended."""
+    if all(phase.begin is None for phase in cycle.phases):
+        return values
+    start, stop = cycle.spans[0]
+    steps = np.diff(values)
+    steps[steps * (stop - start) < 0.0] = 0.0
+    return np.append(values[:1], values[0] + np.cumsum(steps))
+
+
 def _of_press_fits(loads: PartLoads) -> list[PartDoubt]:
     """The ranges of interference that the bushes may have, all at one end: a doubt of the loads.
 
@@ -421,7 +433,8 @@ def stretches_of(cycle: loads.CycleLoads | loads.MeasuredLoads) -> IntArray:
     """Number (n,) of the stretch of a cycle, between two jumps, that each position is in."""
     jumps = np.diff(cycle.phase_of) != 0
     if isinstance(cycle, loads.CycleLoads):
-        for touch in cycle.touches.values():
+        touches = () if cycle.swings else cycle.touches.values()  # a swing has its own contact
+        for touch in touches:
             jumps |= touch.touching[1:] != touch.touching[:-1]
         for load in cycle.reactions.values():
             for rubbing in (load.friction_couple, load.friction_force):

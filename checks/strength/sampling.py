@@ -14,6 +14,7 @@ Cubic splines through values at rising places, for less time than SciPy takes to
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 from math import isfinite
 from typing import Self
 from weakref import WeakKeyDictionary
@@ -37,6 +38,8 @@ _MOST_POINTS = 200
 _ROUND_OFF = 1e-9  # of a value
 _STRAIGHT = 1e-6  # of the largest: what leaves the chord by less changes nothing that is told
 _FORMS = 0.7  # of the largest use: positions that may form what decides
+_UNEVEN = 20.0  # times the step before: between the two a spline does not go on
+_OF_ITS_OWN = 3  # steps of a spline beside such a place: a cubic
 _FEW = 256  # positions: what lies beside these is asked at once
 _stretches_of: WeakKeyDictionary[PartLoads, list[tuple[int, int]]] = WeakKeyDictionary()
 
@@ -207,7 +210,9 @@ class Curves:
             second = np.abs(curve.at(sign * known, 2))
             square = (np.diff(known) ** 2 / 8).reshape(-1, *[1] * (values.ndim - 1))
             off = square * np.maximum(second[1:], second[:-1])
-            bend[first], bend[last] = off[0], off[-1]
+            shared = np.isfinite(bend[first])  # with the stretch before
+            bend[first] = np.where(shared, np.maximum(bend[first], off[0]), off[0])
+            bend[last] = off[-1]
             bend[first + 1 : last] = np.maximum(off[1:], off[:-1])
         for k in _jumps(loads):
             bend[k : k + 2] = np.inf
@@ -301,8 +306,24 @@ def _stretches(loads: PartLoads) -> list[tuple[int, int]]:
             found[-1] = (found[-1][0], k + 1)
         else:
             found.append((k, k + 1))
+    found = [part for stretch in found for part in _even(np.abs(step), *stretch)]
     _stretches_of[loads] = found
     return found
+
+
+def _even(step: FloatArray, first: int, last: int) -> list[tuple[int, int]]:
+    """A stretch in parts that share a position, where its steps become far longer or shorter.
+
+    A blow has its moments close together; there a spline of short steps rings in the long ones.
+    """
+    at = np.arange(first + _OF_ITS_OWN, last - _OF_ITS_OWN + 1)
+    before = np.maximum(step[at - 1], step[at - 2])  # one short step alone rings nowhere
+    after = np.maximum(step[at], step[at + 1])
+    ends = [first]
+    for k in at[(step[at - 1] > _UNEVEN * after) | (step[at] > _UNEVEN * before)].tolist():
+        if k - ends[-1] >= _OF_ITS_OWN:
+            ends.append(k)
+    return [*pairwise([*ends, last])]
 
 
 def sampled(

@@ -127,6 +127,14 @@ def test_a_contact_that_always_or_never_touches_says_so(told):
     assert "does not touch in this cycle, 30.0 mm stay free" in never
 
 
+def test_a_contact_that_is_all_blow_is_not_told_to_stay_free(told):
+    soft = "[elastic.joints]\nB = '100 kN/mm'\n[drive]\nflywheel = '50 kg m2'\n[cycles.run]"
+    answers = 'blow = { stiffness = "20 kN/mm", yields = "3 kN" }'
+    _, said = told(("[cycles.run]", soft), ('stiffness = "500 N/mm"', answers))
+    assert "die at B.y = -210 mm: touches in its blow alone" in said
+    assert "force up to 3.00 kN" in said
+
+
 def test_what_the_contact_does_to_the_ram_is_told(told):
     """Rigid contact and elastic rod stop it; of two springs in series each takes its share."""
     assert "ram keeps its acceleration" in told()[1]

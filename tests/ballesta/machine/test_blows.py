@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from ballesta.commands.loads_command import loads_of_file
 from ballesta.design.read import read_design
@@ -19,13 +20,14 @@ from ballesta.machine.blows import (
 )
 from ballesta.machine.drive_speed import motor_figures
 from ballesta.machine.quasi_static import quasi_static_gates
-from ballesta.machine.runs import MachineRuns
+from ballesta.machine.runs import MachineRuns, doubts_of, run_machine
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.machine.validity_checks import load_gates
 from ballesta.pipeline import NOT_CHECKED, _not_checked
 from checks.design.errors import DesignError
 from checks.models.shapes.leaf_pack import leaf_bar
-from checks.part.part_loads import loads_on
+from checks.part.part_loads import loads_on, stretches_of
+from checks.stress.kept_models import Models
 from loads import moments_of_blows
 from reports.loads_page import loads_html
 from reports.loads_text import loads_text
@@ -417,6 +419,45 @@ def test_a_blow_that_is_solved_is_told_by_its_force(tmp_path):
 def test_an_answer_that_cannot_be_is_refused(answers, message, tmp_path):
     with pytest.raises(DesignError, match=message):
         read_design(stop_design(tmp_path, ("restitution = 0.3", answers)))
+
+
+def test_hits_of_a_pin_come_on_top_of_a_blow(tmp_path):
+    """Their pair of forces acts along the joint's force, so that it is never less at any moment.
+
+    Kept from the touch on, they would push against the blow for as long as it lasts.
+    """
+    rod = """
+[drive]
+flywheel = "0.5 kg m2"
+[elastic.joints]
+B = "5 kN/mm"
+[parts.rod]
+body = "rod"
+shape = "plate_link"
+interfaces = { first = "A", second = "B" }
+material = "S355"
+width = "40 mm"
+thickness = "10 mm"
+hole = "16 mm"
+fits = { second = "D10/h9" }
+[duty]"""
+    answers = "restitution = 0.3", 'blow = { stiffness = "2 kN/mm", yields = "1 kN" }'
+    machine = run_machine(read_design(stop_design(tmp_path, answers, ("[duty]", rod))), Models())
+    own = np.hypot(*machine.solved["run"].reactions["B"].force.T)
+    *_, play = doubts_of(machine.design, machine).all
+    assert play.words.startswith("play of 0.163 mm in B")
+    without, hit = (np.hypot(*end["run"].reactions["B"].force.T) for end in play.ends)
+    assert_allclose(without, own)
+    assert (hit >= (1.0 - 1e-9) * own).all()
+    assert hit.max() > 1.2 * own.max()
+
+
+def test_loads_of_a_swing_jump_at_no_touch_of_the_contact_that_it_replaces(tmp_path):
+    """The spring of 1 kN/mm is touched as if slowly; a swing meets it at moments of its own."""
+    design = read_design(stop_design(tmp_path))
+    cycle = solve_cycles(design, {})["run"]
+    assert stretches_of(cycle)[-1] == 2
+    assert stretches_of(replace(cycle, swings=True))[-1] == 0
 
 
 def test_a_flywheel_strikes_with_all_that_it_turns(tmp_path):

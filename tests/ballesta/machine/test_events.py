@@ -104,6 +104,17 @@ def test_an_event_outside_the_duty_is_judged_statically_alone(tmp_path):
     assert checks["fatigue"].cycle == "turn"
 
 
+def test_nothing_is_between_two_turns_of_an_event(tmp_path):
+    """The second turn begins where the first one ends: loads go on there, over no way at all."""
+    event = 'events.start={cycle="turn", kind="start", turns=2.5}'
+    turn = "cycles.turn.start=200 deg", "cycles.turn.phases[0].to=560 deg"
+    counted = "duty.cycles={turn=1e6, start=1000}"
+    design = machine(tmp_path, PLATE, MOTOR, FLYWHEEL, FINE, event, counted, *turn)
+    checks = {c.kind: c for c in check_design(design, effort=Effort("formula")).parts[0].checks}
+    for kind in ("fatigue", "bearing"):  # 0.7 and 0.2 times the value, did they go back by a turn
+        assert 0.0 < checks[kind].sampling < 0.01 * checks[kind].value
+
+
 def test_a_start_tells_how_long_it_takes(tmp_path):
     """J w / T with T between standstill and breakdown, 2 to 2.3 times rated, less the load."""
     event = 'events.start={cycle="turn", kind="start", at="90 deg"}'

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from ballesta.commands.plan import plan
 from checks.ladder.levels import COARSE, LOOSE, Asked, first_of, solve_levels
 from checks.part.loaded_part import FIRST, LoadedPart
 from checks.part.part_loads import PartLoads
@@ -35,9 +36,10 @@ hole = "12 mm"
 """
 
 
-def meshes(folder, first, accuracy, settled="", fineness=1.0):
+def meshes(folder, first, accuracy, settled="", fineness=1.0, most=300_000):
     """Levels of a pulled link, static peak only, and value and bar of the last one."""
-    design = machine(folder, LINK, f"parts.rod.mesh.fineness={fineness}")
+    mesh = f"parts.rod.mesh.fineness={fineness}", f"parts.rod.mesh.most_unknowns={most}"
+    design = machine(folder, LINK, *mesh)
     design = replace(design, accuracy=accuracy)
     part = design.parts["rod"]
     peak = StaticPeak(PULLED)
@@ -65,6 +67,18 @@ def test_a_verdict_that_the_coarse_pair_leaves_open_gets_a_third_mesh(tmp_path):
     assert len(meshes(tmp_path, COARSE, 0.2, fineness=0.6)[0]) == 3
     assert len(meshes(tmp_path, COARSE, 0.2, "settled", fineness=0.6)[0]) == 2
     assert len(meshes(tmp_path, FIRST, 0.2, fineness=0.6)[0]) == 2
+
+
+def test_a_first_mesh_that_would_be_too_large_is_a_coarse_one(tmp_path):
+    """A plan and a check take it; the bar is then one of a coarse pair."""
+    usual = meshes(tmp_path, FIRST, 0.05, "settled")[0][0].unknowns
+    levels, _, bar = meshes(tmp_path, FIRST, 0.05, "settled", most=usual - 1)
+    coarse = meshes(tmp_path, COARSE, 0.05, "settled")[0]
+    assert levels[0].unknowns == coarse[0].unknowns < 0.8 * usual
+    assert len(levels) == 2
+    assert np.isfinite(bar)
+    design = machine(tmp_path, LINK, f"parts.rod.mesh.most_unknowns={usual - 1}")
+    assert plan(design)[0].unknowns[0] < usual
 
 
 @pytest.mark.slow
