@@ -7,12 +7,20 @@ largest one must leave the screws below yield, and ranges of C P are judged by E
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from checks.by_formula.weld import CURVE, MINER_SOURCE, REACHED, miner_left, miner_sum, positions_of
+from checks.by_formula.weld import (
+    CURVE,
+    MINER_SOURCE,
+    REACHED,
+    miner_left,
+    miner_sum,
+    over_duty,
+    positions_of,
+)
 from checks.design.errors import DesignError
 from checks.design.model import BoltsEntry
 from checks.handbook.screws import COARSE_PITCH, yield_stress_of
@@ -22,7 +30,6 @@ from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import Derivation, Given, Item, Section, Step, value_of
 from checks.result.formulas import Value
 from checks.result.verdict import Check
-from checks.stress.duty_verdict import WHOLE_DUTY
 from fatigue.life import (
     AT_CUT_OFF,
     AT_KNEE,
@@ -234,20 +241,11 @@ class _Joint:
             lasting = float(weld_safety(own, still, categories, allowed_damage=left)[0])
             if lasting > safety:
                 safety, proof = lasting, _miner(own.of_point(0), left)
-        ends = [int(every[stress[every].argmin()]), int(every[stress[every].argmax()])]
-        basis = f"{_DETAIL}; partial factor {self.stated.partial_factor:g} as the least safety"
+        ends = int(every[stress[every].argmin()]), int(every[stress[every].argmax()])
+        factor = self.stated.partial_factor
+        basis = f"{_DETAIL}; partial factor {factor:g} as the least safety"
         heading = self._heading(FATIGUE, basis, "MPa")
-        check = loaded.derived(heading, ends[1], self._derivation(ends, safety, proof))
-        names = [loaded.loads.cycle_names[at] for at in ends]
-        labels = [loaded.loads.labels[at] for at in ends]
-        if names[0] != names[1]:
-            labels = [f"{name} {label}" for name, label in zip(names, labels, strict=True)]
-        return replace(
-            check,
-            cycle=names[0] if names[0] == names[1] else WHOLE_DUTY,
-            position=" to ".join(labels),
-            required=max(check.required, self.stated.partial_factor),
-        )
+        return over_duty(loaded, heading, ends, self._derivation(ends, safety, proof), factor)
 
     def _derivation(self, ends: Sequence[int], safety: float, proof: Sequence[Item]) -> Derivation:
         loads, part = self.loaded.loads, self.loaded.part

@@ -329,17 +329,7 @@ class _Ranges:
         else:
             proof = self._miner(own.of_point(worst), beside, float(safety[worst]))
         derivation = self._derivation(ends, outline[worst], turned, float(safety[worst]), proof)
-        check = loaded.derived(self._heading(), ends[1], derivation)
-        names = [loaded.loads.cycle_names[k] for k in ends]
-        labels = [loaded.loads.labels[k] for k in ends]
-        if names[0] != names[1]:
-            labels = [f"{name} {label}" for name, label in zip(names, labels, strict=True)]
-        return replace(
-            check,
-            cycle=names[0] if names[0] == names[1] else WHOLE_DUTY,
-            position=" to ".join(labels),
-            required=max(check.required, self.weld.partial_factor),
-        )
+        return over_duty(loaded, self._heading(), ends, derivation, self.weld.partial_factor)
 
     def _over(self, formula: str, **more: Value) -> FloatArray:
         """A formula (n,) at all positions."""
@@ -464,6 +454,27 @@ class _Ranges:
         # D jumps over its limit at the cut-off
         at_cut_off = abs(float(scope["D"]) - float(scope["D_a"])) > _CLOSE
         return items, () if at_cut_off else REACHED
+
+
+def over_duty(
+    loaded: LoadedPart,
+    heading: Heading,
+    ends: tuple[int, int],
+    derivation: Derivation,
+    partial_factor: float,
+) -> Check:
+    """The check of a range between two of all positions, whose least safety is stated."""
+    check = loaded.derived(heading, ends[1], derivation)
+    names = [loaded.loads.cycle_names[k] for k in ends]
+    labels = [loaded.loads.labels[k] for k in ends]
+    if names[0] != names[1]:
+        labels = [f"{name} {label}" for name, label in zip(names, labels, strict=True)]
+    return replace(
+        check,
+        cycle=names[0] if names[0] == names[1] else WHOLE_DUTY,
+        position=" to ".join(labels),
+        required=max(check.required, partial_factor),
+    )
 
 
 def miner_left(loaded: LoadedPart, of: str = "a weld") -> float:
