@@ -337,11 +337,14 @@ def _not_checked(design: Design, machine: MachineRuns) -> tuple[str, ...]:
     """Effects that no check of a design knows."""
     blow = blow_subject(design, machine.rigid, machine.blows)
     changes = "any speed change within a cycle"
-    stated = any(part.welds for part in design.parts.values())
-    told = tuple(
-        one.replace("welds,", "welds that no part states,") if stated else one
-        for one in NOT_CHECKED
-    )
+    parts = design.parts.values()
+    told: tuple[str, ...] = NOT_CHECKED
+    for subject, stated in (
+        ("welds", any(part.welds for part in parts)),
+        ("screws", any(part.bolts for part in parts)),
+    ):
+        if stated:
+            told = tuple(one.replace(subject, f"{subject} that no part states") for one in told)
     if design.drive.motor:
         return (blow or "impact", *told)
     return ((blow, changes) if blow else (f"impact and {changes}",)) + told

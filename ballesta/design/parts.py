@@ -1,4 +1,4 @@
-"""Puts the parts of a design together: shape, material, welds, where they sit in the linkage."""
+"""Puts the parts of a design together: shape, material, welds, screws, where they sit."""
 
 import dataclasses
 import math
@@ -21,6 +21,7 @@ from checks.design.materials import Material, known_materials
 from checks.design.model import (
     BeamPartEntry,
     BodyPartEntry,
+    BoltsEntry,
     DesignFile,
     PinPartEntry,
     PlatePartEntry,
@@ -258,11 +259,38 @@ def parts_of(
         clearances = _clearances(key, entry, file, geometry, problems)
         welds = welds_of(key, entry, geometry, material, problems)
         _check_edges(key, entry, geometry, problems)
+        bolts = _bolts(key, entry, problems)
         made = _part(name, entry, file, geometry, material, rollers, fkm, clearances)
-        parts[name] = dataclasses.replace(made, welds=welds, bushes=bushes)
+        parts[name] = dataclasses.replace(made, welds=welds, bolts=bolts, bushes=bushes)
     parts = with_widths(parts)
     check_stacks(parts, file.parts, problems)
     return with_press_fits(with_plays(parts), problems)
+
+
+def _bolts(key: str, entry: Any, problems: Problems) -> tuple[BoltsEntry, ...]:
+    """Screws of a part; what is wrong with them is noted."""
+    stated: tuple[BoltsEntry, ...] = tuple(getattr(entry, "bolts", ()))
+    fixed = [name for name in getattr(entry, "interfaces", ()) if name not in SLIDING]
+    for index, one in enumerate(stated):
+        here = f"{key}.bolts[{index}]"
+        if one.at not in fixed:
+            problems.add(f"{here}.at", no_such("interface with a pin", one.at, fixed))
+        if any(one.at == other.at for other in stated[:index]):
+            problems.add(
+                f"{here}.at", f"other screws stand at {one.at}; state all of them together"
+            )
+        if (one.torque is None) == (one.largest_preload is None):
+            problems.add(f"{here}.torque", "needs either torque or largest_preload, one of the two")
+        for field in ("head_friction", "head_diameter"):
+            if (one.torque is None) != (getattr(one, field) is None):
+                why = "is of a torque; leave it out" if one.torque is None else "must be stated"
+                problems.add(f"{here}.{field}", f"{why}: of a torque it takes its share")
+        if one.torque is not None and not one.thread_friction:
+            problems.add(
+                f"{here}.thread_friction",
+                "0 is for screws that no torque tightens; a torque needs its friction",
+            )
+    return stated
 
 
 def _rollers(

@@ -70,11 +70,11 @@ _STRONGEST = 540.0  # MPa, tensile strength of S460, the strongest steel of that
 _YIELDS = 1.5  # EN 1993-1-9, (8.1): largest range over the yield stress
 _NOMINAL = Band(words="a formula has no mesh; strengths of welds are of nominal stress")
 _MINER = 0.5  # at failure; EN 1993-1-9, A.6, has 1, which IIW finds not safe for its curve
-_MINER_SOURCE = "IIW XIII-1965-03, 4.3.1"
+MINER_SOURCE = "IIW XIII-1965-03, 4.3.1"
 _CLOSE = 1e-6  # of Miner's sum
-_CURVE = f"{STANDARD}, 7.1"
+CURVE = f"{STANDARD}, 7.1"
 _Proof = tuple[list[Item], tuple[tuple[str, str], ...]]  # items, and pairs that agree then
-_REACHED = (("D", "D_a"),)
+REACHED = (("D", "D_a"),)
 _STRESS = "N/A - M_z*y/I_z + M_y*z/I_y"
 _SHEAR = "V*q_V + T*q_T"
 _FORCES = {
@@ -300,7 +300,7 @@ class _Ranges:
         """The check; None where no stress changes."""
         loaded, duty, categories = self.loaded, self.loaded.duty, (self.category, SHEAR_CATEGORY)
         slices = loaded.loads.cycles
-        runs = {name: _positions(slices[name]) for name in duty.cycles if name in slices}
+        runs = {name: positions_of(slices[name]) for name in duty.cycles if name in slices}
         every = np.concatenate(list(runs.values()))
         outline = _outline(self.weld)
         normal = np.stack([self._over(self._stress, y=y, z=z) for y, z in outline])
@@ -315,7 +315,7 @@ class _Ranges:
             counts = [duty.cycles[name] for name in runs]
             own = duty_cycles([normal[:, run] for run in runs.values()], counts)
             beside = duty_cycles([shear[run] for run in runs.values()], counts)
-            lasting = weld_safety(own, beside, categories, allowed_damage=self._left)
+            lasting = weld_safety(own, beside, categories, allowed_damage=miner_left(self.loaded))
         with np.errstate(divide="ignore"):
             most = _YIELDS * loaded.part.material.yield_stress / np.maximum(swing, sqrt(3) * turned)
         safety = np.minimum(np.maximum(endless, lasting), most)
@@ -329,30 +329,7 @@ class _Ranges:
         else:
             proof = self._miner(own.of_point(worst), beside, float(safety[worst]))
         derivation = self._derivation(ends, outline[worst], turned, float(safety[worst]), proof)
-        check = loaded.derived(self._heading(), ends[1], derivation)
-        names = [loaded.loads.cycle_names[k] for k in ends]
-        labels = [loaded.loads.labels[k] for k in ends]
-        if names[0] != names[1]:
-            labels = [f"{name} {label}" for name, label in zip(names, labels, strict=True)]
-        return replace(
-            check,
-            cycle=names[0] if names[0] == names[1] else WHOLE_DUTY,
-            position=" to ".join(labels),
-            required=max(check.required, self.weld.partial_factor),
-        )
-
-    @property
-    def _left(self) -> float:
-        """Miner's sum that earlier use has left; raises DesignError where it has left none."""
-        left = _MINER - self.loaded.duty.damage_so_far
-        if not left > 0.0:
-            raise DesignError(
-                self.loaded.design.file,
-                "duty.damage_so_far",
-                f"{_MINER - left:g} leaves a weld nothing of its Miner's sum of {_MINER:g} "
-                f"({_MINER_SOURCE})",
-            )
-        return left
+        return over_duty(loaded, self._heading(), ends, derivation, self.weld.partial_factor)
 
     def _over(self, formula: str, **more: Value) -> FloatArray:
         """A formula (n,) at all positions."""
@@ -450,38 +427,76 @@ class _Ranges:
     def _without_end(self) -> _Proof:
         share = AT_CUT_OFF if self.loaded.duty.damage_so_far > 0 else AT_KNEE
         items: list[Item] = [
-            Step("S_D", "range of a life without end", f"{share:.15g}*S_C", "MPa", _CURVE),
-            Step("T_L", "the same of shear", f"{SHEAR_CUT_OFF:.15g}*T_C", "MPa", _CURVE),
+            Step("S_D", "range of a life without end", f"{share:.15g}*S_C", "MPa", CURVE),
+            Step("T_L", "the same of shear", f"{SHEAR_CUT_OFF:.15g}*T_C", "MPa", CURVE),
             Step("D", "normal and shear stress together", "(n*S/S_D)^3 + (n*T_r/T_L)^5", "",
                  f"{STANDARD}, (8.3)", main=True),
             Given("D_a", "limit of it", 1.0, "", f"{STANDARD}, (8.3)"),
         ]  # fmt: skip
-        return items, _REACHED
+        return items, REACHED
 
     def _miner(self, own: Cycles, beside: Cycles, safety: float) -> _Proof:
         items: list[Item] = [
-            Step("S_D", "range at the knee", f"{AT_KNEE:.15g}*S_C", "MPa", _CURVE),
-            Step("S_L", "cut-off", f"{AT_CUT_OFF:.15g}*S_C", "MPa", _CURVE),
-            Step("T_L", "cut-off of shear", f"{SHEAR_CUT_OFF:.15g}*T_C", "MPa", _CURVE),
-            _miner("D_s", "normal stress", own,
-                   f"choose(n*r, S_L, m/{KNEE:.0f}*(n*r/S_D)^choose(n*r, S_D, 3, 5), 0)"),
-            _miner("D_t", "shear stress", beside,
-                   f"choose(n*r, T_L, m/{REFERENCE:.0f}*(n*r/T_C)^5, 0)"),
+            Step("S_D", "range at the knee", f"{AT_KNEE:.15g}*S_C", "MPa", CURVE),
+            Step("S_L", "cut-off", f"{AT_CUT_OFF:.15g}*S_C", "MPa", CURVE),
+            Step("T_L", "cut-off of shear", f"{SHEAR_CUT_OFF:.15g}*T_C", "MPa", CURVE),
+            miner_sum("D_s", "normal stress", own,
+                      f"choose(n*r, S_L, m/{KNEE:.0f}*(n*r/S_D)^choose(n*r, S_D, 3, 5), 0)"),
+            miner_sum("D_t", "shear stress", beside,
+                      f"choose(n*r, T_L, m/{REFERENCE:.0f}*(n*r/T_C)^5, 0)"),
             Step("D", "both together", "D_s + D_t", "", f"{STANDARD}, (8.3) with (A.3)", main=True),
-            Given("D_a", f"Miner's sum that is left of {_MINER:g}", self._left, "", _MINER_SOURCE),
+            Given("D_a", f"Miner's sum that is left of {_MINER:g}", miner_left(self.loaded),
+                  "", MINER_SOURCE),
         ]  # fmt: skip
         scope: dict[str, Value] = {"S_C": self.category, "n": safety, "T_C": SHEAR_CATEGORY}
         for item in items:
             scope[item.symbol] = value_of(item, scope)
-        at_cut_off = abs(float(scope["D"]) - self._left) > _CLOSE  # D jumps over its limit there
-        return items, () if at_cut_off else _REACHED
+        # D jumps over its limit at the cut-off
+        at_cut_off = abs(float(scope["D"]) - float(scope["D_a"])) > _CLOSE
+        return items, () if at_cut_off else REACHED
 
 
-def _positions(run: slice) -> IntArray:
+def over_duty(
+    loaded: LoadedPart,
+    heading: Heading,
+    ends: tuple[int, int],
+    derivation: Derivation,
+    partial_factor: float,
+) -> Check:
+    """The check of a range between two of all positions, whose least safety is stated."""
+    check = loaded.derived(heading, ends[1], derivation)
+    names = [loaded.loads.cycle_names[k] for k in ends]
+    labels = [loaded.loads.labels[k] for k in ends]
+    if names[0] != names[1]:
+        labels = [f"{name} {label}" for name, label in zip(names, labels, strict=True)]
+    return replace(
+        check,
+        cycle=names[0] if names[0] == names[1] else WHOLE_DUTY,
+        position=" to ".join(labels),
+        required=max(check.required, partial_factor),
+    )
+
+
+def miner_left(loaded: LoadedPart, of: str = "a weld") -> float:
+    """Miner's sum that earlier use has left; raises DesignError where it has left none."""
+    left = _MINER - loaded.duty.damage_so_far
+    if not left > 0.0:
+        raise DesignError(
+            loaded.design.file,
+            "duty.damage_so_far",
+            f"{_MINER - left:g} leaves {of} nothing of its Miner's sum of {_MINER:g} "
+            f"({MINER_SOURCE})",
+        )
+    return left
+
+
+def positions_of(run: slice) -> IntArray:
+    """The positions of a cycle."""
     return np.arange(run.start, run.stop)
 
 
-def _miner(symbol: str, of: str, cycles: Cycles, formula: str) -> Sum:
+def miner_sum(symbol: str, of: str, cycles: Cycles, formula: str) -> Sum:
+    """Miner's sum of cycles, a row for each kind of them."""
     rows = range(len(cycles.cycle_counts))
     return Sum(
         symbol,

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import loads
 from checks.design.materials import Material
-from checks.design.model import Column, Requirements, StackEntry
+from checks.design.model import BoltsEntry, Column, Requirements, StackEntry
 from checks.design.strength import FkmStrength
 from checks.design.tables import DriveEntry, DynamicsEntry
 from checks.handbook.fits import PressFit
@@ -211,6 +211,7 @@ class Part:
     # bore -> least and largest clearance of its pin, mm on diameter, where the file states its fit
     clearances: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     welds: tuple[Weld, ...] = ()
+    bolts: tuple[BoltsEntry, ...] = ()
     bushes: Mapping[str, Material] = field(default_factory=dict)  # of a pin: lug -> its bush's
     # bore -> "run_in" edges, as stated: pressed evenly along
     bore_edges: Mapping[str, str] = field(default_factory=dict)

@@ -41,11 +41,15 @@ from checks.design.units import (
     BY_DIMENSION,
     Acceleration2,
     BearingArc,
+    Direction2,
+    ForceFromZero,
     Fraction,
     Length,
     OffsetLength,
     Point2,
+    PositiveForce,
     PositiveLength,
+    PositiveMoment,
     PositivePressureSpeed,
     PositiveStress,
     PositiveTurning,
@@ -55,6 +59,7 @@ from checks.design.units import (
     StatedFit,
     Survival,
 )
+from checks.handbook.screws import PropertyClass, ScrewSize
 from checks.handbook.weld_details import PARTIAL_FACTOR, DetailName
 from geometry.parameters import GIVEN_BY_DESIGN
 from geometry.parts import SHAPES, Beam, Pin
@@ -247,6 +252,59 @@ class WeldEntry(Table):
     )
 
 
+class BoltsEntry(Table):
+    """Screws that hold a cap, a flange or a block at one of a part's interfaces."""
+
+    at: str = Field(description="interface whose force the screws carry")
+    opens: Direction2 = Field(
+        description="direction in the part's frame of the force on the part there that opens the "
+        "joint: against its x axis for the cap at a rod's first interface"
+    )
+    count: Annotated[int, Field(strict=True, gt=0)] = Field(
+        description="number of screws, which share the force"
+    )
+    size: ScrewSize = Field(description="thread, of coarse pitch")
+    property_class: PropertyClass = Field(description="property class of ISO 898-1")
+    largest_preload: PositiveForce | None = Field(
+        None, description="instead of `torque`: largest preload of one screw"
+    )
+    torque: PositiveMoment | None = Field(
+        None,
+        description="largest tightening torque; with the least friction it makes the largest "
+        "preload",
+    )
+    thread_friction: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] = Field(
+        description="least friction in the thread; 0 for a screw that is stretched without a torque"
+    )
+    head_friction: Annotated[float, Field(strict=True, gt=0, le=1, allow_inf_nan=False)] | None = (
+        Field(None, description="of a torque: least friction under the head or nut that turns")
+    )
+    head_diameter: PositiveLength | None = Field(
+        None, description="of a torque: mean diameter of that face, (outer + hole)/2"
+    )
+    tightening_factor: Annotated[float, Field(strict=True, ge=1, allow_inf_nan=False)] = Field(
+        description="largest preload over the least, of the way to tighten"
+    )
+    settling: ForceFromZero = Field(description="preload that the screw loses as surfaces settle")
+    joint_constant: Annotated[float, Field(strict=True, gt=0, lt=1, allow_inf_nan=False)] = Field(
+        description="share C of a force on the joint that the screw takes: its stiffness over that "
+        "of screw and clamped parts together"
+    )
+    prying: Annotated[float, Field(strict=True, ge=1, allow_inf_nan=False)] = Field(
+        1.0, description="force on the most loaded screw over the mean, with prying and bending"
+    )
+    pushed_beside: Annotated[bool, Field(strict=True)] = Field(
+        False,
+        description="a force against `opens` goes beside the joint, as in the cap of a rod, and "
+        "takes nothing off the screws",
+    )
+    partial_factor: Annotated[float, Field(strict=True, ge=1, allow_inf_nan=False)] = Field(
+        PARTIAL_FACTOR,
+        description="least safety of their fatigue, where `require.fatigue` is lower: the partial "
+        "factor of table 3.1, 1 to 1.35",
+    )
+
+
 EvenEdges = Literal["run_in"]
 
 
@@ -283,6 +341,11 @@ class BodyPartEntry(PartEntry):
     welds: list[WeldEntry] = Field(
         default_factory=list,
         description="welds across the part; none that is not stated is checked",
+    )
+    bolts: list[BoltsEntry] = Field(
+        default_factory=list,
+        description="screws that hold a cap or flange at an interface; none that is not stated is "
+        "checked",
     )
     tilt_held_at: str | None = Field(
         None,

@@ -118,7 +118,12 @@ def ends_swapped(data):
             return part | {"shape": {"lever": part["shape"]["lever"][::-1]}}
         if set(part.get("interfaces", {})) != {"first", "second"}:
             return part
+        screws = [
+            one | {"at": twin[one["at"]], "opens": pair(one["opens"], lambda x, y: (-x, -y))}
+            for one in part.get("bolts", ())
+        ]
         part = {k: other(v) if isinstance(v, dict) else v for k, v in part.items()}
+        part |= {"bolts": screws} if screws else {}
         return other(part) if "second_hole" in part else part
 
     return data | {"parts": {name: swap(part) for name, part in data["parts"].items()}}

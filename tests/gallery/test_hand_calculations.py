@@ -134,7 +134,9 @@ def gas_engine(m):
     thrust = piston / np.cos(np.arcsin(r / b * np.sin(angle)))
     assert thrust == pytest.approx(2171, rel=0.01)  # as the example has it
     bending = pin_bending(gudgeon, 22, 26, 20)
+    screw = (1.2 * (inner - G) + rod * ((inner + w**2 * r) / 2 - G)) / 2  # exhaust: no pressure
     return [
+        Value("screw of the cap at exhaust", m.check("rod", "bolts", "opening"), screw, 1e-3),
         Value("gudgeon pin at ignition", m.force("rod second", 0), gudgeon, 1e-4),
         Value("crank pin at ignition", m.force("rod first", 0), crank, 0.01),
         # the rod's own mass pushes it aside
