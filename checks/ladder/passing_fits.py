@@ -13,7 +13,7 @@ from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.part.pressed_along import that_count, why_even
 from checks.result.verdict import Check, Status
-from checks.result.ways import clearance_fact, edges_fact, run_in_fact
+from checks.result.ways import clearance_fact, edges_fact, run_in_fact, without_hits
 from checks.strength.part_strength import endurance_of
 from checks.stress.clearances import FIRST, some_positions, values_at
 from checks.stress.error_bars import Bars
@@ -162,14 +162,17 @@ def edges_that_pass(
             edges = {**part.bore_edges, **dict.fromkeys(names, "run_in")}
             other = replace(loaded, part=replace(part, bore_edges=edges))
             tried.append((names, again(other, check.kind)))
+        ways = ((False, False), (True, False), (False, True))
         passing = (
-            (names, steel, checks_of[steel])
-            for steel in (False, True)
+            (names, steel, cushioned, one)
+            for steel, cushioned in ways
             for names, checks_of in tried
-            if checks_of[steel].status is Status.PASS
+            for one in (without_hits(checks_of[0]) if cushioned else checks_of[steel],)
+            if one.status is Status.PASS
         )
-        for names, steel, one in islice(passing, 1):
-            found[edges_fact(check.kind, names, steel=steel)] = one.limit / one.upper
+        for names, steel, cushioned, one in islice(passing, 1):
+            fact = edges_fact(check.kind, names, steel=steel, cushioned=cushioned)
+            found[fact] = one.limit / one.upper
     return found
 
 

@@ -58,13 +58,21 @@ def clearance_fact(kind: str, bore: str) -> str:
     return f"{kind}: passes by contact with a clearance in {bore} up to [mm]"
 
 
-def edges_fact(kind: str, bores: Sequence[str], *, steel: bool = False) -> str:
+def edges_fact(
+    kind: str, bores: Sequence[str], *, steel: bool = False, cushioned: bool = False
+) -> str:
     """Name of the fact: least safety of an open check that passes with edges that have run in.
 
-    steel  True where it takes bushes as stiff as steel as well
+    steel      True where it takes bushes as stiff as steel as well
+    cushioned  True where it takes pins that hit nothing in their play as well
     """
-    bushes = " and bushes as stiff as steel" if steel else ""
-    return f"{kind}: passes with run-in edges{bushes}, least safety, of {', '.join(bores)}"
+    also = " and bushes as stiff as steel" * steel + " and cushioned pins" * cushioned
+    return f"{kind}: passes with run-in edges{also}, least safety, of {', '.join(bores)}"
+
+
+def without_hits(check: Check) -> Check:
+    """The check without the bounds of what pins hit as they cross their play."""
+    return check.without(one for one in check.doubts if one[0].endswith(HITS))
 
 
 def run_in_fact(kind: str, bores: Sequence[str]) -> str:
@@ -241,11 +249,9 @@ def _by_range(check: Check, settles: str) -> Iterator[Way]:
 
 def _by_play(result: DesignResult, check: Check, settles: str) -> Iterator[Way]:
     """Where the bounds of what pins hit as they cross their play hold the limit."""
-    hits = [one for one in check.doubts if one[0].endswith(HITS)]
-    known = check.without(hits)
-    if not hits or known.status is Status.UNDECIDED:
+    joints, known = _hit_joints(check), without_hits(check)
+    if not joints or known.status is Status.UNDECIDED:
         return
-    joints = [words.removesuffix(f" {HITS}").rpartition(" in ")[2] for words, *_ in hits]
     points = dict.fromkeys(joint.partition(":")[0] for joint in joints)
     text = (
         f"state that oil, preload or friction slows the pins of {', '.join(joints)} as they cross "
@@ -256,6 +262,12 @@ def _by_play(result: DesignResult, check: Check, settles: str) -> Iterator[Way]:
         yield Way(settles, text)
     else:
         yield Way(settles, text, _with(result, _cushioned(points)), _again(result))
+
+
+def _hit_joints(check: Check) -> list[str]:
+    """Joints whose pins' hits are in its load bars."""
+    hits = [words for words, *_ in check.doubts if words.endswith(HITS)]
+    return [words.removesuffix(f" {HITS}").rpartition(" in ")[2] for words in hits]
 
 
 def _by_positions(check: Check, settles: str) -> Iterator[Way]:
@@ -393,24 +405,28 @@ def _by_bush(check: Check, settles: str) -> Iterator[Way]:
 
 def _by_edges(result: DesignResult, check: Check, settles: str, part: PartResult) -> Iterator[Way]:
     """Where even pressure along pins that bend leaves the limit above the bars."""
-    for steel in (False, True):
-        begins = edges_fact(check.kind, (), steel=steel)
+    joints = _hit_joints(check)
+    for steel, cushioned in ((False, False), (True, False), (False, True)):
+        begins = edges_fact(check.kind, (), steel=steel, cushioned=cushioned)
         for name, least in part.facts.items():
             if not name.startswith(begins):
                 continue
             bores = name.removeprefix(begins).split(", ")
             bushes = ", and the bush.material, one as stiff as steel" * steel
+            slowed = (
+                f", and that oil, preload or friction slows the pins of {', '.join(joints)} as "
+                "they cross their play (dynamics.cushioned)" * cushioned
+            )
             text = (
-                f"state edges of {' and '.join(bores)} that have run in (bore_edges){bushes}: "
-                f"{check.kind} passes, safety ≥ {number(least, 3)}"
+                f"state edges of {' and '.join(bores)} that have run in (bore_edges){bushes}"
+                f"{slowed}: {check.kind} passes, safety ≥ {number(least, 3)}"
             )
             stated = [f'parts.{part.name}.bore_edges.{bore}="run_in"' for bore in bores]
-            yield Way(
-                settles,
-                text,
-                "" if steel else _with(result, *stated),
-                None if steel else _again(result),
-            )
+            if cushioned:
+                stated.append(_cushioned(dict.fromkeys(j.partition(":")[0] for j in joints)))
+            told = steel or (cushioned and _is_cushioned(result))
+            command = "" if told else _with(result, *stated)
+            yield Way(settles, text, command, None if told else _again(result))
 
 
 def _by_mesh(result: DesignResult, check: Check, settles: str, part: PartResult) -> Iterator[Way]:

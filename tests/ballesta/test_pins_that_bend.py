@@ -653,6 +653,10 @@ def test_the_fewest_edges_come_first_and_bushes_last(tmp_path):
     found = edges_that_pass(loaded, [half_open], lambda other, kind: (half_open, half))
     assert list(found) == [edges_fact("fatigue", ("first",), steel=True)]
     assert edges_that_pass(loaded, [half_open], lambda *_: (half_open, half_open)) == {}
+    hits = ("play of 0.1 mm in B as its force reverses", 10 * half.value, 0.0)
+    hit = replace(half_open, doubts=(hits,))
+    found = edges_that_pass(loaded, [half_open], lambda *_: (hit, hit))
+    assert found == {edges_fact("fatigue", ("first",), cushioned=True): half.limit / half.upper}
 
 
 def cosine_waves(bore, arc, angle):

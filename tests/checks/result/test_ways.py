@@ -265,6 +265,11 @@ def test_edges_that_would_settle_it_are_keys_of_their_bores_with_the_safety_they
     assert "as stiff as steel" in way.text
     assert (way.command, way.seconds) == ("", None)
     assert only(design(part(checks=[both[1]], facts=facts))).text.startswith("nothing here")
+    hit = replace(BY_MODEL, doubts=(("play of 0.1 mm in B:rod as its force reverses", 1.0, 0.0),))
+    facts = {edges_fact("static", ("knee",), cushioned=True): 1.5}
+    way = only(design(part(checks=[hit], facts={"mass [kg]": 4.1, **facts})))
+    assert "slows the pins of B:rod as they cross their play (dynamics.cushioned)" in way.text
+    assert way.command.endswith(f"--set {stated[0]} --set 'dynamics.cushioned=[\"B\"]'")
 
 
 def test_edges_that_a_pass_rests_on_are_told_once_for_parts_alike():
