@@ -217,7 +217,8 @@ def test_a_solids_buckling_goes_with_its_compression_where_a_pull_is_the_largest
 
 def test_a_check_of_a_part_that_only_the_end_of_a_doubt_loads_is_open():
     """Nothing to widen in proportion, and no pass either; round-off is no load."""
-    parts = [SimpleNamespace(doubts=()), *(SimpleNamespace(value=v) for v in (300.0, 1e-12))]
+    none = (0.0, 0.0)  # friction
+    parts = [SimpleNamespace(value=v, rubs=none) for v in (0.0, 300.0, 1e-12)]
     parts[0].doubts = tuple(SimpleNamespace(words=f"{x.value}", ends=[x]) for x in parts[1:])
     bars = load_bars(parts[0], lambda some: {"static": getattr(some, "value", 0.0)})
     check = bars(result_check(value=0.0))
