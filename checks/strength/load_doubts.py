@@ -15,7 +15,7 @@ from checks.result.words import DOUBTED, UNKNOWN_BAR
 _ROUND_OFF = 1e-9  # of a value
 _NOTHING = 1e-6  # MPa or N
 _RUBBED = "pins that rub where they press"
-_STEADY, _SWING = 0.85, 1.2  # times friction and the peak stress, of arcs down to 90 degrees
+_STEADY, _SWING = 0.85, 1.3  # times friction and the peak stress, of arcs down to 90 degrees
 
 
 def with_doubts(check: Check, ends: Mapping[str, Sequence[float]]) -> Check:
@@ -146,11 +146,13 @@ def _rubbed(loads: PartLoads, own: Mapping[str, float]) -> dict[str, float]:
     """How far stress in bores may lie off as friction is an even shear there, over the values.
 
     A pin that rubs where it presses adds to the peak of a bore, and to its amplitude at the most
-    when it turns to and fro (docs/theory/bearing.md, "Friction").
+    when it turns to and fro (docs/theory/bearing.md, "Friction"). Friction is the largest of all
+    ends of the doubts, which may have more of it.
 
     own  MPa, by kind of check: the peak stress of bores is no larger than the part's
     """
-    steady, swing = loads.rubs
+    ends = (end.rubs for doubt in loads.doubts for end in doubt.ends)
+    steady, swing = map(max, zip(loads.rubs, *ends, strict=True))
     found = {"static": _STEADY * steady}
     if own.get("fatigue"):
         found["fatigue"] = _SWING * swing * own["static"] / own["fatigue"]
