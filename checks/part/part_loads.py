@@ -345,7 +345,8 @@ def _rubbing(part: Part, runs: Runs, wrenches: Mapping[str, FloatArray]) -> tupl
             if own is None or not isinstance(joint, loads.Revolute):
                 continue
             for name, point in part.interfaces.items():
-                if point != joint.point or part.body not in (joint.body_a, joint.body_b):
+                here = point == joint.point and part.body in (joint.body_a, joint.body_b)
+                if not here or not radii[name]:  # no clamp of leaves
                     continue
                 couple, force = wrenches[name][:, 5], np.hypot(*wrenches[name][:, :2].T).max()
                 most, per = own.coefficient * own.radius * force, radii[name] * force
