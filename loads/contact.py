@@ -200,7 +200,8 @@ def with_extremes(grid: FloatArray, function: Function) -> FloatArray:
     """Return the grid with the function's smallest and largest values between put in."""
     values = np.atleast_2d(function(grid))
     before, here, after = values[:, :-2], values[:, 1:-1], values[:, 2:]
-    turning = np.isfinite(before + here + after) & ((here - before) * (after - here) < 0.0)
+    with np.errstate(invalid="ignore", over="ignore"):  # an exp may be beyond all numbers
+        turning = np.isfinite(before + here + after) & ((here - before) * (after - here) < 0.0)
     row, k = np.nonzero(turning)
     if not len(k):
         return grid

@@ -27,7 +27,7 @@ from loads.cycle_loads import CycleLoads, unresolved
 from loads.elasticity import check_compliance, second_order
 from loads.forces import ForceSolution, one_after_another
 from loads.kinematics import Kinematics
-from loads.laws import Contact, Expression, Law, Opposing, Table, crests, kinks
+from loads.laws import Contact, Expression, Law, Opposing, Table, crests, kinks, steps
 from loads.linkage import Linkage
 from loads.motion import Geometry, Motion, move
 from loads.pace import Cycle, MotorPace, SteadyPace
@@ -218,8 +218,8 @@ class Run:
     def with_corners(self, k: int, grid: FloatArray) -> FloatArray:
         """Return the grid of phase k with the corners of its laws put in.
 
-        Corners of tables, over a coordinate or a speed; kinks and peaks of formulas; where a
-        contact begins, ends, starts to push, and comes nearest.
+        Corners of tables, over a coordinate or a speed; kinks, peaks and steps of formulas; where
+        a contact begins, ends, starts to push, and comes nearest.
         """
         for name, law in self.cycle.phases[k].given.items():
             if isinstance(law, Table):
@@ -229,7 +229,8 @@ class Run:
             elif isinstance(law, Expression):
                 for terms in (crests, kinks):
                     grid = with_extremes(grid, partial(self._terms, k, law, terms))
-                grid = with_roots(grid, partial(self._terms, k, law, kinks))
+                for terms in (kinks, steps):
+                    grid = with_roots(grid, partial(self._terms, k, law, terms))
             elif isinstance(law, Contact):
                 grid = with_extremes(grid, partial(self._gaps, k, name))
                 grid = with_roots(grid, partial(self._gaps, k, name))

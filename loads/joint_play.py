@@ -104,7 +104,10 @@ def with_hits(
     for hit in hits:
         added[hit.rows] = np.maximum(added[hit.rows], hit.added)
     if times is not None:
-        added = np.interp(cycle.times, times, added)
+        # the larger of both sides, also where loads jump and a time stands twice
+        after = np.searchsorted(times, cycle.times).clip(max=len(times) - 1)
+        before = np.searchsorted(times, cycle.times, "right").clip(min=1) - 1
+        added = np.maximum(added[before], added[after])
     sizes = np.hypot(*force.T)
     push = force * (added / np.where(sizes > 0.0, sizes, 1.0))[:, None]
     opened = _opened(cycle, joint, inertia)

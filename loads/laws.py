@@ -4,9 +4,9 @@ A formula gives a force over coordinates of the linkage and their rates. It is a
 coordinates and functions, in units that go together. It has no function that jumps: a force that
 jumps is one against the motion, or another phase's. Where `abs`, `min` and `max` change over, the
 force has a kink, and may have a narrow peak where what stands in `exp`, under a power or below a
-division has its own: `kinks` and `crests` say where, so that a position stands there. Where it
-would divide by nothing on the way it is refused, as no grid of positions sees a pole between two of
-them.
+division has its own, or between two smooth steps: `kinks`, `crests` and `steps` say where, so that
+a position stands there. Where it would divide by nothing on the way it is refused, as no grid of
+positions sees a pole between two of them.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -209,6 +209,11 @@ def kinks(motion: Motion, law: Expression) -> FloatArray:
     return _values(motion, _switches(law.term))
 
 
+def steps(motion: Motion, law: Expression) -> FloatArray:
+    """Return functions (m, n) whose roots are where a formula may step, and between two steps."""
+    return _values(motion, _steps(law.term))
+
+
 def crests(motion: Motion, law: Expression) -> FloatArray:
     """Return functions (m, n) whose extremes are where a formula may have peaks, however narrow."""
     return _values(motion, _inner(law.term))
@@ -271,6 +276,18 @@ def _switches(term: Term) -> Iterator[Term]:
                 yield from (Apply("-", pair) for pair in combinations(terms, 2))
             case _:
                 pass
+
+
+def _steps(term: Term) -> Iterator[Term]:
+    """Terms that are 0 where a smooth step is half way, and half way between two steps."""
+    inner = [
+        part.terms[0]
+        for part in _parts(term)
+        if isinstance(part, Apply) and part.function in ("exp", "atan")
+    ]
+    yield from inner
+    for pair in combinations(inner, 2):
+        yield from (Apply(sign, pair) for sign in "+-")
 
 
 def _inner(term: Term) -> Iterator[Term]:

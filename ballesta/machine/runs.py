@@ -98,8 +98,9 @@ def play_pairs(
             of.append((added / most, joint.point_b, said))
         elif not told and added > _NOTHING * most:
             acting = {**solved, **struck}
+            times = {cycle: solved[cycle].times for cycle in struck}
             end = {
-                cycle: loads.with_hits(own, name, hits[cycle], drives[cycle], solved[cycle].times)
+                cycle: loads.with_hits(own, name, hits[cycle], drives[cycle], times.get(cycle))
                 for cycle, own in acting.items()
             }
             words = f"play of {play:g} mm in {name} {HITS}"

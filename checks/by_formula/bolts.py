@@ -147,7 +147,7 @@ class _Joint:
         stated, own = self.stated, "the design"
         items: list[Item] = [
             *self._thread,
-            Given("mu_G", "least friction in the thread", stated.thread_friction, "", own),
+            Given("mu_G", "friction in the thread", stated.thread_friction, "", own),
         ]
         if stated.torque is None:
             assert stated.largest_preload is not None, "one of the two is stated"

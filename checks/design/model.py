@@ -274,7 +274,8 @@ class BoltsEntry(Table):
         "preload",
     )
     thread_friction: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] = Field(
-        description="least friction in the thread; 0 for a screw that is stretched without a torque"
+        description="friction in the thread: the least beside `torque`, the largest beside "
+        "`largest_preload`, which it twists; 0 for a screw that is stretched without a torque"
     )
     head_friction: Annotated[float, Field(strict=True, gt=0, le=1, allow_inf_nan=False)] | None = (
         Field(None, description="of a torque: least friction under the head or nut that turns")

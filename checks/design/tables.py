@@ -85,7 +85,10 @@ class BodyEntry(Table):
         description="points of the body: the frame's origin, then where its x axis points, then "
         "any others; with one pin the axes are the ground's",
     )
-    mass: Mass | None = Field(None, description="instead of the mass of the part of this body")
+    mass: Mass | None = Field(
+        None,
+        description="of the whole body, instead of its part's and those of pins `fixed_to` it",
+    )
     inertia: Inertia | None = Field(None, description="about the centre of mass")
     centre: Point2 | None = Field(None, description="centre of mass in the body's frame")
     guide: Guide | None = Field(None, description="the body slides in the frame")

@@ -13,8 +13,8 @@ from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check, RungTried, Status
 from checks.strength.fatigue_assessment import FatigueUse
-from checks.strength.load_doubts import LoadBars, load_bars
-from checks.strength.part_strength import fatigue_use
+from checks.strength.load_doubts import AMPLITUDE, LoadBars, load_bars
+from checks.strength.part_strength import amplitude_use, fatigue_use
 from checks.stress.stress_result import RungLevel, RungModel
 from fem.solvers import SolverError
 from geometry.mesh import MeshError
@@ -143,6 +143,8 @@ class Climb:
         use = fatigue_use(self.loaded.under(loads))
         if use is not None:
             values[FATIGUE] = use.value(level)
+            if loads.rubs[1]:
+                values[AMPLITUDE] = amplitude_use(self.loaded.under(loads)).value(level)
         if BUCKLING in self.asked and level.model.buckling is not None:
             values[BUCKLING] = max(0.0, level.model.buckling.share)
         return values

@@ -50,8 +50,8 @@ from checks.result.verdict import Check, Gate, PartResult, Status, Surface
 from checks.result.ways import arc_fact
 from checks.store.solutions import remembered
 from checks.strength.fatigue_assessment import FatigueUse, FkmUse
-from checks.strength.load_doubts import LoadBars, load_bars
-from checks.strength.part_strength import elastic_of, endurance_of, fatigue_use
+from checks.strength.load_doubts import AMPLITUDE, LoadBars, load_bars
+from checks.strength.part_strength import amplitude_use, elastic_of, endurance_of, fatigue_use
 from checks.strength.sampling import fatigue_rise, static_rise, with_sampling
 from checks.stress.error_bars import Bars, arcs_of, banded, bars_of, mesh_bar, singular_edge
 from checks.stress.judged import Judged, StaticPeak
@@ -422,6 +422,8 @@ def mesh_values(loaded: LoadedPart, level: Level) -> Callable[[PartLoads], Mappi
         use = fatigue_use(loaded.under(loads))
         if use is not None:
             values["fatigue"] = use.value(other)
+            if loads.rubs[1]:
+                values[AMPLITUDE] = amplitude_use(loaded.under(loads)).value(other)
         return values
 
     return values_of

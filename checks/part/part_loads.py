@@ -128,7 +128,8 @@ class PartLoads:
     press_fits     bore -> the bush that is pressed into it, for good
     arc            rad, on which pins press in bores by formula
     rubs           largest friction couple M of a bore's pin over its radius and largest force, and
-                   half its swing over these: what a pin that rubs adds is a doubt (load_doubts)
+                   half its range, 0 in it, over these: what a pin that rubs adds is a doubt
+                   (load_doubts)
     """
 
     wrenches: Mapping[str, FloatArray]
@@ -332,7 +333,8 @@ def _with_pins(design: Design, part: Part, history: loads.LoadHistory) -> loads.
 def _rubbing(part: Part, runs: Runs, wrenches: Mapping[str, FloatArray]) -> tuple[float, float]:
     """Friction of the pins in a part's bores and on its journals, as `PartLoads.rubs`.
 
-    Of a couple that a drive brings in as well no more counts than the friction may be.
+    Of a couple that a drive brings in as well no more counts than the friction may be. A steady one
+    has 0 in its range, as the force may turn in the bore.
     """
     steady = swing = 0.0
     radii = {face.name: face.radius for face in part.geometry.placed_interfaces}
@@ -343,13 +345,14 @@ def _rubbing(part: Part, runs: Runs, wrenches: Mapping[str, FloatArray]) -> tupl
             if own is None or not isinstance(joint, loads.Revolute):
                 continue
             for name, point in part.interfaces.items():
-                if point != joint.point or part.body not in (joint.body_a, joint.body_b):
+                here = point == joint.point and part.body in (joint.body_a, joint.body_b)
+                if not here or not radii[name]:  # no clamp of leaves
                     continue
                 couple, force = wrenches[name][:, 5], np.hypot(*wrenches[name][:, :2].T).max()
                 most, per = own.coefficient * own.radius * force, radii[name] * force
                 if most:
                     steady = max(steady, min(np.abs(couple).max(), most) / per)
-                    swing = max(swing, min(np.ptp(couple) / 2, most) / per)
+                    swing = max(swing, min(np.ptp(np.append(couple, 0.0)) / 2, most) / per)
     return float(steady), float(swing)
 
 

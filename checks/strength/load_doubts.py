@@ -12,10 +12,11 @@ from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check
 from checks.result.words import DOUBTED, UNKNOWN_BAR
 
+AMPLITUDE = "amplitude"  # of equal safety, beside the values of checks
 _ROUND_OFF = 1e-9  # of a value
 _NOTHING = 1e-6  # MPa or N
 _RUBBED = "pins that rub where they press"
-_STEADY, _SWING = 0.85, 1.2  # times friction and the peak stress, of arcs down to 90 degrees
+_STEADY, _SWING = 0.85, 1.3  # times friction and the peak stress, of arcs down to 90 degrees
 
 
 def with_doubts(check: Check, ends: Mapping[str, Sequence[float]]) -> Check:
@@ -124,19 +125,20 @@ class LoadBars:
 def load_bars(loads: PartLoads, values_of: Callable[[PartLoads], Mapping[str, float]]) -> LoadBars:
     """Return the load bars of a model.
 
-    values_of  the values of its checks, by kind, under some loads of the part
+    values_of  the values of its checks, by kind, under some loads of the part; with fatigue and
+               friction an `AMPLITUDE` beside them
     """
     if not loads.doubts and not loads.rubs[0]:
         return LoadBars({})
     own = values_of(loads)
-    shares: dict[str, dict[str, list[float]]] = {kind: {} for kind in own}
+    shares: dict[str, dict[str, list[float]]] = {kind: {} for kind in own if kind != AMPLITUDE}
     for kind, most in _rubbed(loads, own).items():
         shares[kind][_RUBBED] = [1 + most, max(1 - most, 0.0)]
     for doubt in loads.doubts:
         for end in doubt.ends:
             other = values_of(end)
-            for kind, value in own.items():
-                here = other.get(kind, 0.0)
+            for kind in shares:
+                value, here = own[kind], other.get(kind, 0.0)
                 share = here / value if value else (inf if here > _NOTHING else 1.0)
                 shares[kind].setdefault(doubt.words, []).append(share)
     return LoadBars(shares)
@@ -146,12 +148,14 @@ def _rubbed(loads: PartLoads, own: Mapping[str, float]) -> dict[str, float]:
     """How far stress in bores may lie off as friction is an even shear there, over the values.
 
     A pin that rubs where it presses adds to the peak of a bore, and to its amplitude at the most
-    when it turns to and fro (docs/theory/bearing.md, "Friction").
+    when it turns to and fro (docs/theory/bearing.md, "Friction"). Friction is the largest of all
+    ends of the doubts, which may have more of it.
 
     own  MPa, by kind of check: the peak stress of bores is no larger than the part's
     """
-    steady, swing = loads.rubs
+    ends = (end.rubs for doubt in loads.doubts for end in doubt.ends)
+    steady, swing = map(max, zip(loads.rubs, *ends, strict=True))
     found = {"static": _STEADY * steady}
-    if own.get("fatigue"):
-        found["fatigue"] = _SWING * swing * own["static"] / own["fatigue"]
+    if own.get(AMPLITUDE):  # which a life or another guideline multiplies
+        found["fatigue"] = _SWING * swing * own["static"] / own[AMPLITUDE]
     return {kind: most for kind, most in found.items() if most and own.get(kind)}

@@ -101,6 +101,12 @@ def life_task(part: Part, duty: Duty) -> LifeTask:
     )
 
 
+def amplitude_use(loaded: LoadedPart) -> FatigueUse:
+    """The amplitude of equal safety itself: of no number of cycles, nor by another guideline."""
+    part = loaded.part
+    return FatigueUse(loaded.loads, endurance_of(part).value, part.material.ultimate_stress)
+
+
 def fatigue_use(loaded: LoadedPart) -> FatigueUse | None:
     """How the part's fatigue is judged, None where no cycle of the duty loads it."""
     part, loads = loaded.part, loaded.loads

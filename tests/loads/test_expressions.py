@@ -131,11 +131,15 @@ def test_a_position_stands_where_a_formula_has_a_kink(switch):
     assert np.abs(run.positions - (2 * np.pi - begins)).min() < 1e-9
 
 
-@pytest.mark.parametrize("shape", ["exp", "lorentz", "parabola"])
+@pytest.mark.parametrize("shape", ["exp", "lorentz", "parabola", "arcs", "logistic"])
 def test_a_position_stands_at_a_peak_narrower_than_a_step(shape):
-    """1 kN within 1e-4 mm of the length of 170 mm, where a step is 0.3 mm wide."""
+    """1 kN within 1e-4 or 0.01 mm of the length of 170 mm, where a step is 0.3 mm wide."""
     square = op("**", op("/", op("-", Reading(LENGTH), 170.0), 1e-4), 2.0)
+    up, down = (op("/", op("-", Reading(LENGTH), at), 1e-6) for at in (170.0, 170.01))
+    below = [op("+", 1.0, op("exp", op("*", sign, one))) for sign, one in ((-1.0, up), (1.0, down))]
     peak = {
+        "arcs": op("/", op("-", op("atan", up), op("atan", down)), np.pi),
+        "logistic": op("/", op("/", 1.0, below[0]), below[1]),
         "exp": op("exp", op("*", -1.0, square)),
         "lorentz": op("/", 1.0, op("+", 1.0, square)),
         "parabola": op("max", 0.0, op("-", 1.0, square)),

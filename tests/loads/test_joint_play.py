@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 import loads
-from loads.joint_play import play_hits, with_hits
+from loads.joint_play import Hit, play_hits, with_hits
 
 from .machines import slider_crank
 
@@ -219,6 +219,21 @@ def test_of_two_torques_on_one_angle_the_drive_alone_has_its_share_of_a_hit(brak
     assert (other.efforts["brake"] == -3e3).all()
     assert_allclose(other.efforts["drive"], one.efforts["drive"] + 3e3, rtol=1e-9)
     assert max(other.equilibrium_residual.values()) < 1e-9
+
+
+def test_hits_on_other_times_last_up_to_a_jump_of_the_loads():
+    """A phase ends where its last time stands twice; of both rows a hit may have one alone."""
+    cycle = pulled(-200.0)
+    times = cycle.times.copy()
+    times[21] = times[20]
+    hit = Hit(0.0, 0.0, 10.0, 70.0, np.arange(5, 21))
+    cycle = replace(cycle, times=times)
+    own, found = (
+        np.hypot(*one.reactions["P"].force.T)
+        for one in (cycle, with_hits(cycle, "P", [hit], times=times))
+    )
+    assert_allclose(found[5:21] - own[5:21], 70.0)
+    assert_allclose(found[22:], own[22:])
 
 
 def test_a_linkage_without_mass_has_no_hits():

@@ -13,7 +13,7 @@ from ballesta.machine.validity_checks import load_gates
 from ballesta.machine.warnings_of import design_warnings
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
-from checks.part.part_loads import loads_on
+from checks.part.part_loads import PartDoubt, _rubbing, loads_on
 from checks.strength.load_doubts import load_bars
 
 from ...small_machine import PLATE, machine, solved
@@ -139,9 +139,29 @@ def test_pins_that_rub_are_a_doubt_of_the_stress_beside_them(tmp_path):
     assert loads.rubs[0] == pytest.approx(share, rel=1e-9)
     assert 0.5 * share < loads.rubs[1] <= share
 
-    bars = load_bars(loads, lambda _: {"static": 200.0, "fatigue": 50.0})
+    bars = load_bars(loads, lambda _: {"static": 200.0, "fatigue": 80.0, "amplitude": 50.0})
     ends = {kind: own["pins that rub where they press"] for kind, own in bars.shares.items()}
     assert ends["static"] == pytest.approx([1 + 0.85 * share, 1 - 0.85 * share])
-    assert ends["fatigue"][0] == pytest.approx(1 + 1.2 * loads.rubs[1] * 200 / 50)
+    assert ends["fatigue"][0] == pytest.approx(1 + 1.3 * loads.rubs[1] * 200 / 50)
+
+    doubted = replace(loads, doubts=(PartDoubt("more", (replace(loads, rubs=(0.3, 0.0)),)),))
+    own = load_bars(doubted, lambda _: {"static": 200.0}).shares["static"]
+    assert own["pins that rub where they press"][0] == pytest.approx(1 + 0.85 * 0.3)
+    steady = np.tile([6.0, 6.0, 0.0, 0.0, 0.0, 1.0], (3, 1))
+    most, swing = _rubbing(rod, solved(design), dict.fromkeys(loads.wrenches, steady))
+    assert swing == pytest.approx(most / 2)  # the force may turn in its bore
+
     smooth = machine(tmp_path, PLATE)
     assert not loads_on(smooth, rod, solved(smooth)).rubs[0]
+
+
+def test_a_life_has_as_large_a_share_of_pins_that_rub_as_the_amplitude_that_it_multiplies(tmp_path):
+    text = PLATE + '[friction.pins]\ncoefficient = 0.1\ndiameter = "10 mm"\n'
+    found = []
+    for life in ((), ("duty.life=finite", "duty.cycles.turn=1e8", "duty.damage_so_far=0.2")):
+        result = check_design(machine(tmp_path, text, *life), effort=Effort(fidelity="formula"))
+        (fatigue,) = (one for one in result.parts[0].checks if one.kind == "fatigue")
+        more = {words: above for words, above, _ in fatigue.doubts}
+        found.append((fatigue.value, more["pins that rub where they press"] / fatigue.value))
+    assert found[1][0] > 1.2 * found[0][0]
+    assert found[1][1] == pytest.approx(found[0][1], rel=1e-6)

@@ -129,6 +129,14 @@ def widened(case, models):
     return {check.kind: check for check in after.checks}, after
 
 
+def test_a_pin_that_rubs_in_the_clamp_of_leaves_presses_no_bore_of_theirs(tmp_path, models):
+    rubs = '[friction.pins]\ncoefficient = 0.1\ndiameter = "20 mm"\n'
+    text = ROCKER.replace("[joints", rubs + "[joints")
+    *_, loads = rocker(tmp_path, models, '"500 N"', text=text)
+    assert np.abs(loads.wrenches["pivot"][:, 5]).max() > 0.0
+    assert loads.rubs == (0.0, 0.0)
+
+
 UNPRESSED = 'clamp_preload = "0 N"\nrod_preload = "0 N"\n'
 
 
