@@ -12,15 +12,6 @@ from functools import cached_property
 
 import numpy as np
 
-from checks.by_formula.weld import (
-    CURVE,
-    MINER_SOURCE,
-    REACHED,
-    miner_left,
-    miner_sum,
-    over_duty,
-    positions_of,
-)
 from checks.design.errors import DesignError
 from checks.design.model import BoltsEntry
 from checks.handbook.screws import COARSE_PITCH, yield_stress_of
@@ -30,10 +21,18 @@ from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import Derivation, Given, Item, Section, Step, value_of
 from checks.result.formulas import Value
 from checks.result.verdict import Check
+from checks.strength.ranges_over_duty import (
+    CURVE,
+    MINER_SOURCE,
+    damage_items,
+    miner_left,
+    over_duty,
+    positions_of,
+    reached,
+)
 from fatigue.life import (
     AT_CUT_OFF,
     AT_KNEE,
-    KNEE,
     Cycles,
     duty_cycles,
     endless_weld_safety,
@@ -273,8 +272,6 @@ class _Joint:
         scope: dict[str, Value] = {}
         for item in (one for items in sections.values() for one in items):
             scope[item.symbol] = value_of(item, scope)
-        # at a cut-off the sum jumps over its limit
-        reached = abs(float(scope["D"]) - float(scope["D_a"])) < 1e-6
         return Derivation(
             cases=tuple(
                 load_case(part, loads, position, f"s_{number}")
@@ -284,7 +281,7 @@ class _Joint:
             value="sigma",
             limit="S_C",
             bars=_BAND.bars,
-            equal=REACHED if reached else (),
+            equal=reached(float(scope["D"]), float(scope["D_a"])),
         )
 
 
@@ -307,9 +304,6 @@ def _without_end(begun: bool) -> list[Item]:
 
 def _miner(own: Cycles, left: float) -> list[Item]:
     return [
-        Step("S_D", "range at the knee", f"{AT_KNEE:.15g}*S_C", "MPa", CURVE),
-        Step("S_L", "cut-off", f"{AT_CUT_OFF:.15g}*S_C", "MPa", CURVE),
-        miner_sum("D", "stress", own,
-                  f"choose(n*r, S_L, m/{KNEE:.0f}*(n*r/S_D)^choose(n*r, S_D, 3, 5), 0)"),
+        *damage_items("D", "stress", own),
         Given("D_a", "Miner's sum that is left", left, "", MINER_SOURCE),
-    ]  # fmt: skip
+    ]

@@ -8,27 +8,36 @@ ranges over the duty; EN 1993-1-8, 4.5.3.3, the throat's largest force per lengt
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from math import exp, expm1, sqrt
 
 import numpy as np
 
 from checks.design.data import Weld
-from checks.design.errors import DesignError
 from checks.handbook.bar_forces import balanced_bar
 from checks.handbook.weld_details import ROOT, ROOT_CATEGORY, SHEAR_CATEGORY, STANDARD
 from checks.part.derived import Band, Heading, Kind, Series, load_case
 from checks.part.loaded_part import LoadedPart
 from checks.part.plate_loads import FlatSection, PlateLoads
-from checks.result.derivation import Column, Derivation, Given, Item, Section, Step, Sum, value_of
+from checks.result.derivation import Derivation, Given, Item, Section, Step, value_of
 from checks.result.formulas import Value, evaluate_each
 from checks.result.verdict import Check
-from checks.stress.duty_verdict import WHOLE_DUTY
+from checks.strength.ranges_over_duty import (
+    CURVE,
+    MINER,
+    MINER_SOURCE,
+    REACHED,
+    damage_items,
+    miner_left,
+    miner_sum,
+    over_duty,
+    positions_of,
+    reached,
+)
 from fatigue.life import (
     AT_CUT_OFF,
     AT_KNEE,
-    KNEE,
     REFERENCE,
     SHEAR_CUT_OFF,
     Cycles,
@@ -37,7 +46,7 @@ from fatigue.life import (
     weld_safety,
 )
 from geometry.bars import rectangle_torsion
-from geometry.mesh import FloatArray, IntArray
+from geometry.mesh import FloatArray
 from geometry.parts.plate import Plate
 
 _PAGE = "[welds](../theory/welds.md)"
@@ -69,12 +78,7 @@ _BETA, _GAMMA = 1.0, 1.25  # EN 1993-1-8: largest correlation factor of table 4.
 _STRONGEST = 540.0  # MPa, tensile strength of S460, the strongest steel of that table
 _YIELDS = 1.5  # EN 1993-1-9, (8.1): largest range over the yield stress
 _NOMINAL = Band(words="a formula has no mesh; strengths of welds are of nominal stress")
-_MINER = 0.5  # at failure; EN 1993-1-9, A.6, has 1, which IIW finds not safe for its curve
-MINER_SOURCE = "IIW XIII-1965-03, 4.3.1"
-_CLOSE = 1e-6  # of Miner's sum
-CURVE = f"{STANDARD}, 7.1"
 _Proof = tuple[list[Item], tuple[tuple[str, str], ...]]  # items, and pairs that agree then
-REACHED = (("D", "D_a"),)
 _STRESS = "N/A - M_z*y/I_z + M_y*z/I_y"
 _SHEAR = "V*q_V + T*q_T"
 _FORCES = {
@@ -315,7 +319,8 @@ class _Ranges:
             counts = [duty.cycles[name] for name in runs]
             own = duty_cycles([normal[:, run] for run in runs.values()], counts)
             beside = duty_cycles([shear[run] for run in runs.values()], counts)
-            lasting = weld_safety(own, beside, categories, allowed_damage=miner_left(self.loaded))
+            left = miner_left(loaded, "a weld")
+            lasting = weld_safety(own, beside, categories, allowed_damage=left)
         with np.errstate(divide="ignore"):
             most = _YIELDS * loaded.part.material.yield_stress / np.maximum(swing, sqrt(3) * turned)
         safety = np.minimum(np.maximum(endless, lasting), most)
@@ -437,79 +442,18 @@ class _Ranges:
 
     def _miner(self, own: Cycles, beside: Cycles, safety: float) -> _Proof:
         items: list[Item] = [
-            Step("S_D", "range at the knee", f"{AT_KNEE:.15g}*S_C", "MPa", CURVE),
-            Step("S_L", "cut-off", f"{AT_CUT_OFF:.15g}*S_C", "MPa", CURVE),
+            *damage_items("D_s", "normal stress", own),
             Step("T_L", "cut-off of shear", f"{SHEAR_CUT_OFF:.15g}*T_C", "MPa", CURVE),
-            miner_sum("D_s", "normal stress", own,
-                      f"choose(n*r, S_L, m/{KNEE:.0f}*(n*r/S_D)^choose(n*r, S_D, 3, 5), 0)"),
             miner_sum("D_t", "shear stress", beside,
                       f"choose(n*r, T_L, m/{REFERENCE:.0f}*(n*r/T_C)^5, 0)"),
             Step("D", "both together", "D_s + D_t", "", f"{STANDARD}, (8.3) with (A.3)", main=True),
-            Given("D_a", f"Miner's sum that is left of {_MINER:g}", miner_left(self.loaded),
-                  "", MINER_SOURCE),
+            Given("D_a", f"Miner's sum that is left of {MINER:g}",
+                  miner_left(self.loaded, "a weld"), "", MINER_SOURCE),
         ]  # fmt: skip
         scope: dict[str, Value] = {"S_C": self.category, "n": safety, "T_C": SHEAR_CATEGORY}
         for item in items:
             scope[item.symbol] = value_of(item, scope)
-        # D jumps over its limit at the cut-off
-        at_cut_off = abs(float(scope["D"]) - float(scope["D_a"])) > _CLOSE
-        return items, () if at_cut_off else REACHED
-
-
-def over_duty(
-    loaded: LoadedPart,
-    heading: Heading,
-    ends: tuple[int, int],
-    derivation: Derivation,
-    partial_factor: float,
-) -> Check:
-    """The check of a range between two of all positions, whose least safety is stated."""
-    check = loaded.derived(heading, ends[1], derivation)
-    names = [loaded.loads.cycle_names[k] for k in ends]
-    labels = [loaded.loads.labels[k] for k in ends]
-    if names[0] != names[1]:
-        labels = [f"{name} {label}" for name, label in zip(names, labels, strict=True)]
-    return replace(
-        check,
-        cycle=names[0] if names[0] == names[1] else WHOLE_DUTY,
-        position=" to ".join(labels),
-        required=max(check.required, partial_factor),
-    )
-
-
-def miner_left(loaded: LoadedPart, of: str = "a weld") -> float:
-    """Miner's sum that earlier use has left; raises DesignError where it has left none."""
-    left = _MINER - loaded.duty.damage_so_far
-    if not left > 0.0:
-        raise DesignError(
-            loaded.design.file,
-            "duty.damage_so_far",
-            f"{_MINER - left:g} leaves {of} nothing of its Miner's sum of {_MINER:g} "
-            f"({MINER_SOURCE})",
-        )
-    return left
-
-
-def positions_of(run: slice) -> IntArray:
-    """The positions of a cycle."""
-    return np.arange(run.start, run.stop)
-
-
-def miner_sum(symbol: str, of: str, cycles: Cycles, formula: str) -> Sum:
-    """Miner's sum of cycles, a row for each kind of them."""
-    rows = range(len(cycles.cycle_counts))
-    return Sum(
-        symbol,
-        f"Miner's sum of {of} under n times the loads",
-        formula,
-        tuple(str(row + 1) for row in rows),
-        (
-            Column("r", "range", "MPa", tuple(cycles.stress_range.tolist())),
-            Column("m", "how often in the life", "", tuple(cycles.cycle_counts.tolist())),
-        ),
-        "",
-        f"{STANDARD}, (A.1)",
-    )
+        return items, reached(float(scope["D"]), float(scope["D_a"]))
 
 
 def _numbered(formula: str, number: int) -> str:

@@ -1,1 +1,1 @@
-"""Fatigue of a part over its duty: endurance, finite life, the FKM guideline."""
+"""Fatigue of a part over its duty: endurance, finite life, the FKM guideline, codes of ranges."""
