@@ -50,7 +50,7 @@ _NOTHING = 1e-3  # of a joint's largest force: less is not worth the loads at an
 _TOLD = 0.02
 
 
-NO_BLOWS: Solved = {}
+_NO_BLOWS: Solved = {}
 
 _Told = tuple[float, str, str]  # share of the largest force that is added, point, words
 
@@ -67,7 +67,7 @@ class _Seat:
 
 
 def play_pairs(
-    design: Design, solved: Solved, struck: Solved = NO_BLOWS
+    design: Design, solved: Solved, struck: Solved = _NO_BLOWS
 ) -> tuple[list[LoadPair], list[tuple[str, str]]]:
     """Loads without and with the hits of every joint that has a fit, and what is assumed of others.
 

@@ -127,9 +127,8 @@ class PartLoads:
                    accelerations', in balance by itself
     press_fits     bore -> the bush that is pressed into it, for good
     arc            rad, on which pins press in bores by formula
-    rubs           largest friction couple M of a bore's pin over its radius and largest force, and
-                   half its range, 0 in it, over these: what a pin that rubs adds is a doubt
-                   (load_doubts)
+    rubs           M/(r F) of a bore's friction couple M, radius r and largest force F: its largest,
+                   and half of its range with 0 in it; stress that it adds is a doubt (load_doubts)
     """
 
     wrenches: Mapping[str, FloatArray]

@@ -352,17 +352,20 @@ class StepPart(Shape):
         section over its outline where that is more, at most the solid's: right for a round or
         square bar or a plate, twice the wall of a tube, which is the safe side.
         """
-        return self.section or self._own_section
+        return self.section or self._own_section[0]
 
     @cached_property
-    def _own_section(self) -> Pair:
+    def _own_section(self) -> tuple[Pair, str]:
+        """The section made up from the solid, and how its thickness is found, in words."""
         height, thickness = (float(size) for size in self._extents[1:])
         try:
-            cuts = bar_slices(self).cells
-        except MeshError:
-            return height, thickness
-        thickest = max(one.thickness for one in cuts)
-        return height, min(thickness, max(2 * self.solid.wall, thickest))
+            thickest = max(one.thickness for one in bar_slices(self).cells)
+        except MeshError as error:
+            return (height, thickness), f"its whole thickness, as it could not be cut: {error}"
+        found = min(thickness, max(2 * self.solid.wall, thickest))
+        return (height, found), (
+            "4 V/A or 4 times a section's area over its outline, at most its thickness"
+        )
 
     def ligaments(self, interface: str) -> None:
         """None: they are measured on the mesh, in all directions."""
@@ -400,12 +403,11 @@ class StepPart(Shape):
         if why:
             said.append(f"no column formula judged it, so yield was not checked by one: {why}")
         if self.section is None:
-            height, thickness = self.stressed_section
+            (height, thickness), how = self._own_section
             said.append(
                 "the stressed section of size factor and strength is "
-                f"{height:.3g} x {thickness:.3g} mm: the solid's height, and 4 V/A or 4 "
-                "times a section's area over its outline, at most its thickness; `section` states "
-                "another"
+                f"{height:.3g} x {thickness:.3g} mm: the solid's height, and {how}; `section` "
+                "states another"
             )
         for name, (x, y) in self.shifts.items():
             if hypot(x, y) > _STATED:

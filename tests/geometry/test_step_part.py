@@ -178,10 +178,18 @@ def test_a_shank_between_thin_eyes_is_as_thick_as_itself(folder):
     assert part.stressed_section[1] == pytest.approx(30, rel=1e-6)
 
 
-def test_the_section_is_estimated_from_the_body_unless_it_is_stated(folder, link):
+def test_the_section_is_estimated_from_the_body_unless_it_is_stated(monkeypatch, link):
     """24 x 8 mm: 4 V/A is 9.9 mm, more than the plate is thick."""
     assert_allclose(link.stressed_section, (24, 8), rtol=1e-9)
     assert any("is 24 x 8 mm: the solid's height" in said for said in link.told)
+    uncut = replace(link)
+
+    def gives_up(_shape):
+        raise MeshError("not closed")
+
+    monkeypatch.setattr("geometry.parts.step_part.bar_slices", gives_up)
+    assert_allclose(uncut.stressed_section, (24, 8), rtol=1e-9)
+    assert any("its whole thickness, as it could not be cut: not closed" in t for t in uncut.told)
     stated = link_part(link.path, section=(24.0, 7.0))
     assert stated.stressed_section == (24, 7)
     assert not any("size factor" in said for said in stated.told)
