@@ -44,6 +44,7 @@ from loads.motion import Motion, coordinate_share
 _POINTS = 5  # along a beam; the first mode between two pins is then 0.02 % off
 _GAUSS = 0.5 / np.sqrt(3.0)  # two points integrate the product of two linear moments exactly
 _ROUNDING = 1e-6  # of the largest eigenvalue of a compliance: what may be below zero
+_NO_MASS = 1e-12  # of a body's mass: what a lump may be beside zero
 _STIFF = 1e-8  # of the softest mode's root: stiffer ones are rigid but for rounding
 _PUSH = ("push x", "push y", "turn")  # forces put on bodies to find what unit loads do
 
@@ -544,8 +545,9 @@ def _beam_rows(beam: BeamCompliance, places: FloatArray, loads: FloatArray) -> F
 def lumps_of(linkage: Linkage) -> Lumps:
     """Return the lumps of a linkage; mass, centre and inertia of every body are kept.
 
-    A beam has the mass of an even bar with its mass and inertia, sqrt(12 I / m) long, in Gauss
-    points along its x axis. Every other body has all of it at its centre.
+    A beam has the mass of an even bar in Gauss points along its x axis, and of lumps at its
+    outermost points where it is heavier there (`_along`). Every other body has all of it at its
+    centre.
     """
     beams = {c.body for c in linkage.compliance if isinstance(c, BeamCompliance)}
     rows: list[tuple[int, int, float, float, float, float, float]] = []
@@ -562,10 +564,30 @@ def _of_body(body: Body, beam: bool) -> list[tuple[int, float, float, float, flo
         return [(way, x, y, 0.0, 0.0, mass) for way, mass in enumerate((body.mass,) * 2)] + [
             (2, x, y, 0.0, 0.0, body.inertia)
         ]
-    half = np.sqrt(3.0 * body.inertia / body.mass)
+    return [(way, x + arm, y, arm, 0.0, mass) for arm, mass in _along(body) for way in (0, 1)]
+
+
+def _along(body: Body) -> list[tuple[float, float]]:
+    """Return the arms from the centre, mm, and masses, tonne, of a body that bends along x.
+
+    An even bar of its mass and inertia, sqrt(12 I/m) long, if that ends within its outermost
+    points. Else one that reaches from point to point, with lumps at both (eyes, pins), if mass,
+    centre and inertia allow it without a mass below 0.
+    """
+    half = float(np.sqrt(3.0 * body.inertia / body.mass))
+    ends = [point[0] - body.centre[0] for point in body.points.values()]
+    first, last = min(ends, default=0.0), max(ends, default=0.0)
     nodes, weights = np.polynomial.legendre.leggauss(_POINTS)
-    return [
-        (way, x + half * float(node), y, half * float(node), 0.0, body.mass * float(weight) / 2.0)
-        for node, weight in zip(nodes, weights, strict=True)
-        for way in (0, 1)
-    ]
+    if (half > -first or half > last) and first < last:
+        moments = np.array(
+            [[1.0, 1.0, 1.0], [(first + last) / 2.0, first, last],
+             [(first**2 + first * last + last**2) / 3.0, first**2, last**2]]
+        )  # fmt: skip
+        parts = np.linalg.solve(moments, [body.mass, 0.0, body.inertia])
+        parts[np.abs(parts) < _NO_MASS * body.mass] = 0.0
+        if (parts >= 0.0).all():
+            even, *lumps = parts.tolist()
+            along = (first + last) / 2.0 + (last - first) / 2.0 * nodes
+            bar = list(zip(along.tolist(), (even * weights / 2.0).tolist(), strict=True))
+            return [*bar, *zip((first, last), lumps, strict=True)]
+    return list(zip((half * nodes).tolist(), (body.mass * weights / 2.0).tolist(), strict=True))
