@@ -45,8 +45,8 @@ from fatigue.stress_path import FloatArray, IntArray, check_history, deviatoric_
 _TOGETHER = 64  # points that Goodman judges at once where not every point is asked for
 _TOGETHER_ON_PLANES = 256  # points whose planes are bounded together
 _FEW = 4  # points whose planes are sought one by one
-_FIRST, _LAST = 2, 5  # divisions of the grids: edges of 18 and of 2.3 degrees
-_MOST = 64  # triangles of a path that are divided: more are left to the search
+_FIRST, _LAST = 2, 6  # divisions of the grids: edges of 18 and of 1.2 degrees
+_MOST = 128  # triangles of a path that are divided: more are left to the search
 _REACHED = 0.9  # of a bound at a normal: the parameter is seldom below, so it is above the floor
 _NUMBERS = 1_500_000  # of resolved stresses at once
 
