@@ -174,7 +174,7 @@ _MODE_LEVELS = 127  # a mode has a shape and no size: to look at
 _STRESS_STEPS = 2**0.5 * np.array([1.0, 1.0, 1.0, 3**-0.5, 3**-0.5, 3**-0.5])
 _ALIKE = 1e-5  # of a cycle's peak: round-off between fields and the peaks told beside them
 _SINGLE = 2.0**-24
-_COMPARED = 48  # positions of a cycle
+_COMPARED = 12  # positions of a cycle
 
 
 def encode(live: LiveFields, cycles: Sequence[str], tolerance: float = TOLERANCE) -> EncodedPart:

@@ -99,15 +99,6 @@ def _largest(rows: npt.NDArray[np.float32], weights: npt.NDArray[np.float32]) ->
     return found
 
 
-def largest_by_cycle(
-    fields: FloatArray, weights: Mapping[str, FloatArray], metric: FloatArray
-) -> dict[str, FloatArray]:
-    """`largest_sizes` for the weights (r, K) of each cycle."""
-    ends = np.cumsum([own.shape[1] for own in weights.values()])[:-1]
-    found = largest_sizes(fields, np.hstack([*weights.values()]), metric)
-    return dict(zip(weights, np.split(found, ends, axis=1), strict=True))
-
-
 def lost_in_single(
     fields: npt.NDArray[Any], coefficients: Mapping[str, FloatArray], metric: FloatArray
 ) -> dict[str, float]:
@@ -131,14 +122,14 @@ def largest_principal_stress(live: LiveFields, lost: Mapping[str, float]) -> flo
     lost  cycle -> what single precision of the unit fields may cost, MPa
 
     No principal stress exceeds the mean stress by more than 2/3 of the von Mises stress, and that
-    one is not above its peak at the position: only nodes that this bound leaves are looked at, the
-    most promising position first.
+    one is not above its peak at the position: only positions and nodes that this bound leaves are
+    looked at, the most promising position first.
     """
     means = live.stress[..., :3].astype(np.float64).mean(axis=2)
     order = []
-    for name, (sizes, _) in largest_by_cycle(means[..., None], live.coefficients, _NUMBER).items():
-        reach = 2 / 3 * _MORE * live.peaks[name] + (live.n_fields + 4) * lost[name]
-        about = reach + sizes * _MORE
+    for name, weights in live.coefficients.items():
+        mean = float(largest_anywhere(means[..., None], weights, _NUMBER)[0])
+        about = 2 / 3 * live.peaks[name] * _MORE + mean * _MORE + (live.n_fields + 4) * lost[name]
         order += [(-most, name, k) for k, most in enumerate(about.tolist())]
     known = 0.0
     for most, name, k in sorted(order):
