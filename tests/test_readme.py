@@ -85,6 +85,7 @@ def test_the_four_bar_of_the_readme_gets_the_answer_that_is_shown():
         assert output == printed(command, where)
 
 
+@pytest.mark.slow
 def test_the_verdict_of_the_press_in_the_docs_is_what_the_command_prints(press):
     command, output = console(DESIGN_FILES, 0)
     assert command == "$ ballesta check designs/toggle_press.toml"

@@ -48,7 +48,7 @@ def fresh(loaded, level, share):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("scene", ["swung", "pulled"])
+@pytest.mark.parametrize("scene", [pytest.param("swung", marks=pytest.mark.slow), "pulled"])
 def test_the_band_holds_what_a_fresh_solution_has_at_any_clearance(scene, tmp_path):
     """33 clearances. Between nodes a swinging pressure is off by what its own bar says."""
     stated = 'fits = { first = "0 .. 0.04 mm", second = "0 .. 0.04 mm" }'

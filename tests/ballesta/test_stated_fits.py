@@ -376,6 +376,7 @@ def test_a_force_and_its_opposite_reach_the_mesh_exactly(tmp_path):
     assert arcs[1] < arcs[0]  # half the force
 
 
+@pytest.mark.slow
 def test_pressure_that_patterns_miss_counts_as_what_it_changes(monkeypatch, tmp_path):
     """A loose pin whose force turns all around, with hardly a pattern and with one a position."""
     angles = 2 * np.pi * np.arange(24) / 24

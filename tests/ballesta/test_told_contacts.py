@@ -127,6 +127,7 @@ def test_a_contact_that_always_or_never_touches_says_so(told):
     assert "does not touch in this cycle, 30.0 mm stay free" in never
 
 
+@pytest.mark.slow
 def test_a_contact_that_is_all_blow_is_not_told_to_stay_free(told):
     soft = "[elastic.joints]\nB = '100 kN/mm'\n[drive]\nflywheel = '50 kg m2'\n[cycles.run]"
     answers = 'blow = { stiffness = "20 kN/mm", yields = "3 kN" }'

@@ -83,7 +83,13 @@ class Box:
         return Body(surfaces={}, interfaces=[], size=5.0, regions=[])
 
 
-@pytest.fixture(scope="module", params=MIRRORED)
+_SLOW = ("toggle_bar", "rhs_beam", "i_beam")
+
+
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param(n, marks=pytest.mark.slow if n in _SLOW else ()) for n in MIRRORED],
+)
 def both(request):
     shape = MIRRORED[request.param]
     fineness = 0.8 if request.param == "tube_rod" else 0.5  # its curves leave 1e-4 of the volume

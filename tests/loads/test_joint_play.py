@@ -183,7 +183,7 @@ def contact_with_play(stiffness):
     return found.t, np.array(forces)
 
 
-@pytest.mark.parametrize("stiffness", [1e5, 1e6])
+@pytest.mark.parametrize("stiffness", [1e5, pytest.param(1e6, marks=pytest.mark.slow)])
 def test_a_slider_crank_with_play_in_its_gudgeon_pin(stiffness):
     cycle = engine()
     hits = play_hits(cycle, "B", PLAY, stiffness)

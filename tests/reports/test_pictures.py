@@ -241,6 +241,7 @@ def test_one_process_draws_for_design_after_design(monkeypatch):
     assert len(started) == 3  # what has ended is started anew
 
 
+@pytest.mark.slow
 def test_pictures_that_nobody_waits_for_cost_the_next_design_none():
     """Their folder vanishes while they are drawn; the process had died of it at the next ones."""
     parts = results.mixed().parts

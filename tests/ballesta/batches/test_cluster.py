@@ -130,6 +130,7 @@ def test_a_cluster_that_loses_a_worker_in_mid_run_finds_what_a_local_run_finds(
 
 
 @installed
+@pytest.mark.slow
 def test_a_crash_and_a_hang_on_a_cluster_cost_themselves_alone(tmp_path, machines):
     texts = {"a": "one", "b": "die", "c": "hang", "d": "four"}
     found = fates(tmp_path, machines, texts, seconds=1.0)
@@ -139,6 +140,7 @@ def test_a_crash_and_a_hang_on_a_cluster_cost_themselves_alone(tmp_path, machine
 
 
 @installed
+@pytest.mark.slow
 def test_a_batch_waits_for_workers_and_a_job_that_takes_one_along_costs_itself_alone(
     tmp_path, tmp_path_factory, monkeypatch
 ):

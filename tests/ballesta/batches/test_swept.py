@@ -69,6 +69,7 @@ def test_a_swept_stress_is_that_of_a_solid_within_its_bar(tmp_path, none_known):
         assert away <= check["numerical"] + other["numerical"]
 
 
+@pytest.mark.slow
 def test_a_swept_result_depends_on_no_other_variation(tmp_path, none_known, monkeypatch):
     """First, after another one, and with the neighbour from a store: the same to the last bit."""
     first = checked(tmp_path, "9.3 mm")
@@ -154,7 +155,11 @@ stack = [
 
 
 @pytest.mark.parametrize(
-    ("push", "method"), [("400 N", "formula"), ("3.8 kN", "solid, mesh carried over")]
+    ("push", "method"),
+    [
+        ("400 N", "formula"),
+        pytest.param("3.8 kN", "solid, mesh carried over", marks=pytest.mark.slow),
+    ],
 )
 def test_a_pin_has_a_solid_where_its_formula_leaves_it_open_only(
     tmp_path, none_known, push, method

@@ -369,6 +369,7 @@ def drawn_twice(folder, fidelity):
     return found
 
 
+@pytest.mark.slow
 def test_a_part_that_is_drawn_turned_and_a_kilometre_away_has_the_same_numbers_by_formula(tmp_path):
     """What is measured on a mesh is so to 1e-3: shear-out, sections (docs/theory/fits.md)."""
     here, there = drawn_twice(tmp_path, "formula")

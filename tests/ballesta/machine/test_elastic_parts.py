@@ -142,6 +142,7 @@ def test_a_forging_force_is_that_of_a_leaf_on_soft_clamps(tmp_path, models):
     assert 2.5 < force - less < 3.5
 
 
+@pytest.mark.slow
 def test_a_leaf_that_curves_across_its_length_is_hardly_stiffer(tmp_path, models):
     """Poisson's ratio lets a bent strip curve across; only at the kink of the moment over the clamp
     it cannot at once: 0.2 N.

@@ -31,7 +31,12 @@ FEW = {  # positions, yet more than are kept
 }
 
 
-@pytest.fixture(scope="module", params=FEW)
+@pytest.fixture(
+    scope="module",
+    params=[
+        pytest.param(name, marks=pytest.mark.slow if name == "quick_return" else ()) for name in FEW
+    ],
+)
 def checked(request):
     """A machine's design and result by formulas alone: motion needs no mesh and no fatigue."""
     design = read_design(DESIGNS / f"{request.param}.toml", FEW[request.param])

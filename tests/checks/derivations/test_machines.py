@@ -32,7 +32,13 @@ FEWER = {  # positions: what is derived does not depend on how many there are
 OF_THE_HAMMER = ("at_5", "at_10", "at_5_work_10")  # free, fast and the duty's, of twelve cycles
 
 
-@pytest.fixture(scope="module", params=FEWER)
+@pytest.fixture(
+    scope="module",
+    params=[
+        pytest.param(name, marks=pytest.mark.slow if name == "spring_hammer" else ())
+        for name in FEWER
+    ],
+)
 def machine(request):
     """A machine checked by formula."""
     design = read_design(DESIGNS / f"{request.param}.toml", [FEWER[request.param]])

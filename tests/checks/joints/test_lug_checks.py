@@ -314,6 +314,7 @@ def test_a_pocket_in_one_side_of_a_plate_is_where_its_pin_tears_out(tmp_path, bo
     assert_allclose(areas_at(found, 270), 8 * 14, rtol=5e-4)
 
 
+@pytest.mark.slow
 def test_a_hole_beside_the_way_shortens_the_plane_that_meets_it(tmp_path):
     """4 mm at (3.86, 15): of the planes, 10 degrees apart, the one 30 degrees off is the shortest.
 

@@ -193,6 +193,7 @@ def test_formula_and_solid_agree_on_pressure_and_stress_and_the_ring_does_not(tm
     )
 
 
+@pytest.mark.slow
 def test_compression_past_a_bore_makes_its_bush_press_more():
     """Uniform compression closes a hole by s/E of its radius in the mean.
 

@@ -266,6 +266,7 @@ def test_a_solid_that_is_asked_for_one_check_leaves_the_others_to_the_rungs_belo
     assert methods["buckling"] == "formula"
 
 
+@pytest.mark.slow
 def test_a_solid_that_fails_by_its_bars_is_not_refined_for_its_other_checks(tmp_path, bars):
     """Static fails by a third; fatigue is at its limit, which a finer mesh would look into."""
     bars()

@@ -69,6 +69,7 @@ def test_a_verdict_that_the_coarse_pair_leaves_open_gets_a_third_mesh(tmp_path):
     assert len(meshes(tmp_path, FIRST, 0.2, fineness=0.6)[0]) == 2
 
 
+@pytest.mark.slow
 def test_a_first_mesh_that_would_be_too_large_is_a_coarse_one(tmp_path):
     """A plan and a check take it; the bar is then one of a coarse pair."""
     usual = meshes(tmp_path, FIRST, 0.05, "settled")[0][0].unknowns

@@ -315,6 +315,7 @@ def test_auto_tries_the_formula_tells_that_it_has_no_bar_and_goes_on_to_the_soli
     assert state.open == ["static", "fatigue"]
 
 
+@pytest.mark.slow
 def test_by_formula_alone_values_that_pass_leave_the_verdict_open(tmp_path, capsys, monkeypatch):
     """No bar is known, so they are no pass; no solid is taken instead."""
     draw_nothing(monkeypatch)

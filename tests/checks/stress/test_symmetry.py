@@ -63,6 +63,7 @@ def rod_and_loads(tmp_path, *overrides):
     return part, loads_on(design, part, solve_cycles(design, {}))
 
 
+@pytest.mark.slow
 def test_the_finer_meshes_of_the_rod_are_halves_with_fewer_unknowns(half, whole):
     assert [mesh["body"] for mesh in half.meshes] == ["whole", *["half"] * (len(half.meshes) - 1)]
     assert {mesh["body"] for mesh in whole.meshes} == {"whole"}
@@ -71,6 +72,7 @@ def test_the_finer_meshes_of_the_rod_are_halves_with_fewer_unknowns(half, whole)
     assert half.meshes[1]["unknowns"] < 0.75 * whole.meshes[1]["unknowns"]
 
 
+@pytest.mark.slow
 def test_half_of_the_rod_has_the_peaks_of_the_whole_within_the_bars(half, whole):
     for kind in ("static", "fatigue"):
         one, other = check_of(half, kind), check_of(whole, kind)
@@ -78,11 +80,13 @@ def test_half_of_the_rod_has_the_peaks_of_the_whole_within_the_bars(half, whole)
         assert one.numerical < 2 * other.numerical + 1e-3 * one.value
 
 
+@pytest.mark.slow
 def test_the_arc_of_contact_tells_a_half_what_it_tells_the_whole(half, whole):
     one, other = check_of(half, "static"), check_of(whole, "static")
     assert_allclose(one.below, other.below, rtol=0.1, atol=0.005 * one.value)
 
 
+@pytest.mark.slow
 def test_buckling_is_asked_of_the_whole_rod(half, whole):
     one, other = (check_of(r, "buckling", "elastic") for r in (half, whole))
     assert (one.value, one.numerical, one.place) == (other.value, other.numerical, other.place)
