@@ -182,6 +182,9 @@ class Weld:
         return f"{self.at:g} mm{arm}"
 
 
+COMPARED_ARC = pi / 2  # of contact, rad: the narrowest on which formulas were compared with solids
+
+
 @dataclass(frozen=True)
 class Part:
     """A part: a body of the linkage, or the pin of a joint (then `stack` tells its lugs)."""
@@ -215,11 +218,21 @@ class Part:
     bushes: Mapping[str, Material] = field(default_factory=dict)  # of a pin: lug -> its bush's
     # bore -> "run_in" edges, as stated: pressed evenly along
     bore_edges: Mapping[str, str] = field(default_factory=dict)
-    loose_pin: bool = False  # whether a stated fit leaves a narrower arc than solids compare
+    least_arc: float = pi  # rad, narrowest on which pins press by their stated fits
     press_fits: Mapping[str, PressFit] = field(default_factory=dict)  # bore -> bush pressed into it
     # of a pin under loads: area with 95 % of its largest stress amplitude, over d^2
     bent_area: float = 0.0
     fit_assumed: str = ""  # where `clearances` are from if the file states no fit, in words
+
+    @property
+    def loose_pin(self) -> bool:
+        """True if a stated fit leaves a narrower arc than solids compare."""
+        return self.least_arc < COMPARED_ARC
+
+    @property
+    def narrowest_arc(self) -> float:
+        """The narrowest arc, rad, on which pins press in its bores, assumed or by their fits."""
+        return min(self.bearing_arc, self.least_arc)
 
 
 @dataclass(frozen=True)

@@ -188,7 +188,7 @@ def carried_result(
         level = level_on(loaded, solutions, neighbour.fineness, limit)
     except MeshError as error:
         return f"carried over, {error}"
-    doubts = load_bars(loads, mesh_values(loaded, level))
+    doubts = load_bars(loads, mesh_values(loaded, level), loaded.part.narrowest_arc)
     checks: list[Check] = []
     for kind, what in judged.items():
         share = _error_of(what, level, neighbour, kind)

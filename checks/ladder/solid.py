@@ -205,12 +205,16 @@ def solve_stress(
     before  the same part, or it with other fits, on the first meshes
     """
     doubts: list[LoadBars] = [] if before is None else [before.doubts]
-    if before is not None and before.loaded is not loaded and loaded.loads.press_fits:
-        doubts.clear()  # what a bush adds is no share of what the pins make, which is another now
+    arc = loaded.part.narrowest_arc
+    if before is not None and before.loaded is not loaded:
+        if loaded.loads.press_fits:  # no share of what the pins make, which is another now
+            doubts.clear()
+        if loaded.loads.rubs[0] and before.loaded.part.narrowest_arc != arc:
+            doubts.clear()
 
     def widened(levels: Sequence[Level]) -> LoadBars:
         if not doubts:
-            doubts.append(load_bars(loaded.loads, mesh_values(loaded, levels[0])))
+            doubts.append(load_bars(loaded.loads, mesh_values(loaded, levels[0]), arc))
         return doubts[0]
 
     known: dict[tuple[int, Judged], _Judgement] = {}

@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from checks.design.data import Design, Duty, Part, StatedMass
+from checks.design.data import COMPARED_ARC, Design, Duty, Part, StatedMass
 from checks.design.errors import DesignError
 from checks.design.model import Requirements
 from checks.part.derived import (
@@ -269,7 +269,7 @@ def check_reach(loaded: LoadedPart, interfaces: Mapping[str, Interface]) -> None
 # 120 deg do, or lie above it. Where the arc comes out below 90 deg, the band of an arc that is
 # not stated holds it: 90 deg, and a share more in bores (docs/validation.md, Pins in holes).
 
-_ARC, _WIDEST, _COMPARED = radians(129), radians(120), radians(90)
+_ARC, _WIDEST = radians(129), radians(120)
 
 
 def with_fits(
@@ -281,11 +281,11 @@ def with_fits(
           part's own material
 
     A bore without a stated fit keeps the part's arc. A pin is loose where its arc is narrower than
-    those on which formulas were compared with solids.
+    those on which formulas were compared with solids; `least_arc` is as narrow as that.
     """
     if not part.clearances:
         return part
-    arcs, known, loose = [], True, False
+    arcs, known, least = [], True, _WIDEST
     for face in interfaces:
         if face.kind != "bore":
             continue
@@ -297,9 +297,10 @@ def with_fits(
         arc = _WIDEST
         if p := _parameter(part, pin or part, face, loads):
             arc = min(_ARC / sqrt(p), _WIDEST)
-        loose = loose or arc < _COMPARED
-        arcs.append(max(arc, _COMPARED))
-    return replace(part, bearing_arc=min(arcs), arc_stated=known and not loose, loose_pin=loose)
+        least = min(least, arc)
+        arcs.append(max(arc, COMPARED_ARC))
+    stated = known and least >= COMPARED_ARC
+    return replace(part, bearing_arc=min(arcs), arc_stated=stated, least_arc=least)
 
 
 def _parameter(part: Part, pin: Part, face: Interface, loads: PartLoads) -> float:

@@ -6,8 +6,9 @@ on either side; several doubts add up.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import inf, isfinite
+from math import inf, isfinite, pi
 
+from checks.design.data import COMPARED_ARC
 from checks.part.part_loads import PartLoads
 from checks.result.verdict import Check
 from checks.result.words import DOUBTED, UNKNOWN_BAR
@@ -16,7 +17,10 @@ AMPLITUDE = "amplitude"  # of equal safety, beside the values of checks
 _ROUND_OFF = 1e-9  # of a value
 _NOTHING = 1e-6  # MPa or N
 _RUBBED = "pins that rub where they press"
-_STEADY, _SWING = 0.85, 1.3  # times friction and the peak stress, of arcs down to 90 degrees
+# Times friction and the peak stress, of pins that press on arcs down to 90 degrees. On narrower ones
+# a swing has more, up to a share of the peak, as the angle of friction moves all of the pressure.
+_STEADY, _SWING = 0.85, 1.3
+_ON_NARROW, _GROWTH, _MOST_SWING = 1.1, 1.2, 0.6
 
 
 def with_doubts(check: Check, ends: Mapping[str, Sequence[float]]) -> Check:
@@ -122,17 +126,20 @@ class LoadBars:
         return with_doubts(check, {w: [s * check.value for s in own] for w, own in shares.items()})
 
 
-def load_bars(loads: PartLoads, values_of: Callable[[PartLoads], Mapping[str, float]]) -> LoadBars:
+def load_bars(
+    loads: PartLoads, values_of: Callable[[PartLoads], Mapping[str, float]], arc: float = pi
+) -> LoadBars:
     """Return the load bars of a model.
 
     values_of  the values of its checks, by kind, under some loads of the part; with fatigue and
                friction an `AMPLITUDE` beside them
+    arc        rad, the narrowest on which pins press in its bores
     """
     if not loads.doubts and not loads.rubs[0]:
         return LoadBars({})
     own = values_of(loads)
     shares: dict[str, dict[str, list[float]]] = {kind: {} for kind in own if kind != AMPLITUDE}
-    for kind, most in _rubbed(loads, own).items():
+    for kind, most in _rubbed(loads, own, arc).items():
         shares[kind][_RUBBED] = [1 + most, max(1 - most, 0.0)]
     for doubt in loads.doubts:
         for end in doubt.ends:
@@ -144,7 +151,7 @@ def load_bars(loads: PartLoads, values_of: Callable[[PartLoads], Mapping[str, fl
     return LoadBars(shares)
 
 
-def _rubbed(loads: PartLoads, own: Mapping[str, float]) -> dict[str, float]:
+def _rubbed(loads: PartLoads, own: Mapping[str, float], arc: float) -> dict[str, float]:
     """How far stress in bores may lie off as friction is an even shear there, over the values.
 
     A pin that rubs where it presses adds to the peak of a bore, and to its amplitude at the most
@@ -155,7 +162,9 @@ def _rubbed(loads: PartLoads, own: Mapping[str, float]) -> dict[str, float]:
     """
     ends = (end.rubs for doubt in loads.doubts for end in doubt.ends)
     steady, swing = map(max, zip(loads.rubs, *ends, strict=True))
-    found = {"static": _STEADY * steady}
+    found = {"static": (_STEADY if arc >= COMPARED_ARC else _ON_NARROW) * steady}
     if own.get(AMPLITUDE):  # which a life or another guideline multiplies
-        found["fatigue"] = _SWING * swing * own["static"] / own[AMPLITUDE]
+        narrow = max(1.0, COMPARED_ARC / arc) ** _GROWTH * _SWING * swing
+        more = max(_SWING * swing, min(narrow, _MOST_SWING))
+        found["fatigue"] = more * own["static"] / own[AMPLITUDE]
     return {kind: most for kind, most in found.items() if most and own.get(kind)}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from checks.strength.load_doubts import _STEADY, _SWING
+from checks.strength.load_doubts import _GROWTH, _MOST_SWING, _ON_NARROW, _STEADY, _SWING
 
 from .plane.domains import Fine, Outline, Piece, meshed
 from .plane.model import PlaneModel
@@ -12,8 +12,8 @@ R, HALF, LENGTH = 8.0, 20.0, 80.0  # mm: hole, half width, pin to the clamped en
 RUBS = 0.1
 
 
-def strip(half):
-    """A strip with a round end about the hole, held at its other end."""
+def strip(half, size=0.4):
+    """A strip with a round end about the hole, held at its other end; elements there, mm."""
     outer = (
         Piece((-LENGTH, -half), "side"),
         Piece((0.0, -half), "end", (0.0, 0.0)),
@@ -23,7 +23,7 @@ def strip(half):
     )
     ways = ((1, 0), (0, -1), (-1, 0), (0, 1))
     hole = tuple(Piece((R * x, R * y), "hole", (0.0, 0.0)) for x, y in ways)
-    outline = Outline((outer, hole), 8.0, (Fine(("hole",), 0.4, 12.0),))
+    outline = Outline((outer, hole), 8.0, (Fine(("hole",), size, 12.0),))
     return PlaneModel(meshed(outline), 210e3, 0.3).held({"held": (0.0, 0.0)})
 
 
@@ -74,15 +74,14 @@ def amplitude(one, other):
     return (mises((one - other) / 2) + 0.25 * np.maximum(mean, 0.0)).max()
 
 
-@pytest.mark.parametrize("arc", [180, 90])
-def test_bands_hold_what_rubbing_adds(held, arc):
-    """Over all directions of the force, beside the series: 0.5 m of a peak, 1.1 of a swing."""
+def added(held, arc, rubs):
+    """Largest of a peak, of a swing to and fro, and of one from 0: over m and the even peak; m."""
     steady = swing = coming = 0.0
     for towards in np.radians(range(0, 181, 30)):
         found = {}
         for even in (True, False):
-            plus, couple = stresses(held, towards, np.radians(arc), RUBS, even=even)
-            minus, _ = stresses(held, towards, np.radians(arc), -RUBS, even=even)
+            plus, couple = stresses(held, towards, np.radians(arc), rubs, even=even)
+            minus, _ = stresses(held, towards, np.radians(arc), -rubs, even=even)
             found[even] = (
                 max(mises(plus).max(), mises(minus).max()),
                 amplitude(plus, minus),
@@ -91,9 +90,31 @@ def test_bands_hold_what_rubbing_adds(held, arc):
         share = couple * found[True][0]
         more = [(a - b) / share for a, b in zip(found[False], found[True], strict=True)]
         steady, swing, coming = max(steady, more[0]), max(swing, more[1]), max(coming, more[2])
+    return steady, swing, coming, couple
+
+
+@pytest.mark.parametrize("arc", [180, 90])
+def test_bands_hold_what_rubbing_adds(held, arc):
+    """Over all directions of the force, beside the series: 0.5 m of a peak, 1.1 of a swing."""
+    steady, swing, coming, _ = added(held, arc, RUBS)
     assert 0.25 * _STEADY < steady < _STEADY
     assert 0.6 < swing < 1.2 < _SWING
     assert coming < _SWING / 2  # half of the couple's range is half of it
+
+
+@pytest.fixture(scope="module")
+def finely():
+    return strip(HALF, 0.15)
+
+
+@pytest.mark.parametrize(("arc", "rubs"), [(60, 0.1), (30, 0.05), (20, 0.3)])
+def test_bands_on_narrow_arcs_hold_what_rubbing_adds(finely, arc, rubs):
+    """The angle of friction moves the pressure by much of its arc: 2, 4.2 and 1.8 m of a swing."""
+    steady, swing, coming, m = added(finely, arc, rubs)
+    most = min(_SWING * (90 / arc) ** _GROWTH, _MOST_SWING / m)
+    assert 0.2 < steady < _ON_NARROW
+    assert 0.8 * most < swing < most
+    assert coming < most / 2
 
 
 def test_a_steady_force_that_turns_in_its_bore_has_zero_in_the_range_of_its_friction():

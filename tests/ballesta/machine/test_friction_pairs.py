@@ -143,6 +143,14 @@ def test_pins_that_rub_are_a_doubt_of_the_stress_beside_them(tmp_path):
     ends = {kind: own["pins that rub where they press"] for kind, own in bars.shares.items()}
     assert ends["static"] == pytest.approx([1 + 0.85 * share, 1 - 0.85 * share])
     assert ends["fatigue"][0] == pytest.approx(1 + 1.3 * loads.rubs[1] * 200 / 50)
+    for arc, times in ((np.pi / 4, 1.3 * 2**1.2), (0.01, 0.6 / loads.rubs[1])):
+        values = {"static": 200.0, "fatigue": 50.0, "amplitude": 50.0}
+        narrow = load_bars(loads, lambda _, own=values: own, arc).shares
+        assert narrow["static"]["pins that rub where they press"][0] == pytest.approx(
+            1 + 1.1 * share
+        )
+        swing = narrow["fatigue"]["pins that rub where they press"][0]
+        assert swing == pytest.approx(1 + times * loads.rubs[1] * 200 / 50)
 
     doubted = replace(loads, doubts=(PartDoubt("more", (replace(loads, rubs=(0.3, 0.0)),)),))
     own = load_bars(doubted, lambda _: {"static": 200.0}).shares["static"]
