@@ -526,7 +526,7 @@ def swept() -> Iterable[str]:
 
 
 def choice(rows: Sequence[Compared]) -> list[str]:
-    """What a user is to take, and what it costs and decides, from all records."""
+    """The model to take for a purpose, its cost and what it decides, from all records."""
     known = {asked: decided(asked) for asked in auto_cost.ASKED}
     inside, total, _, error = coverage(rows)["formula"]
     fitted = [
