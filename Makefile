@@ -91,6 +91,7 @@ trade: $(PEERS)
 	@$(BIN)/python -m bench.rung_bands
 	@$(BIN)/python -m bench.rung_verdicts
 	@$(BIN)/python -m bench.auto_cost
+	@$(BIN)/python -m bench.contact_truth
 	@$(BIN)/python -m bench.trade_page
 
 documents: $(READY)

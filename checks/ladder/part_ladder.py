@@ -19,6 +19,7 @@ from checks.design.errors import DesignError, NumericsError
 from checks.ladder.carried import Neighbour, carried_result
 from checks.ladder.climb import FKM_NEEDS_SOLID, GAVE_UP, Climb, climb_cheap, start_climb
 from checks.ladder.leaf_checks import LeafBand
+from checks.ladder.levels import first_of
 from checks.ladder.part_fields import undrawn, with_drawn_fields
 from checks.ladder.result import cheap_result, solid_result, with_mode_by_formula
 from checks.models import stress_words
@@ -31,7 +32,7 @@ from checks.result.live_fields import LiveFields
 from checks.result.verdict import Check, PartResult
 from checks.result.words import TOO_MANY
 from checks.stress.kept_models import check_seconds, report_seconds, told_of_part
-from checks.stress.solid_mesh_level import Models
+from checks.stress.solid_mesh_level import Models, half_of
 from checks.stress.stress_result import RungLevel
 from geometry.mesh import TooManyElementsError
 
@@ -203,11 +204,16 @@ class Ladder:
         return {name: self._cost(name) for name in names}
 
     def _cost(self, name: str) -> float:
-        """Expected time of a part's solid, s."""
-        part = self.climbs[name].part
+        """Expected time of a part's solid, s, from the mesh that it begins with."""
+        climb = self.climbs[name]
+        part, kinds = climb.part, climb.open
+        stress = self.effort.fidelity != SOLID and name not in self._pinned
+        stress = stress and self._wanted[name] and BUCKLING not in kinds
+        shape = half_of(part, climb.loads) if stress else None
+        first = first_of(climb.loaded.accuracy, kinds) if stress else FIRST
         with told_of_part(self.design, part):
-            mesh = self.models.mesh(part.geometry, FIRST * part.fineness)
-            return check_seconds(3 * len(mesh.nodes))
+            mesh = self.models.mesh(shape or part.geometry, first * part.fineness)
+            return check_seconds(3 * len(mesh.nodes), stress=stress)
 
     def _drawn(self, name: str) -> PartResult:
         """A result with stress to look at, if there is time for a mesh."""

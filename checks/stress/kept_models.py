@@ -207,9 +207,10 @@ _UNKNOWNS, _GIBIBYTES, _MEMORY_EXPONENT = 137_628, 1.3, 1.2
 
 # Processor time, s, of 100 000 unknowns with one thread on a core of 2.3 GHz on which `_trial`
 # takes `_TRIAL`: the solids of the press and of the slider-crank, 8 000 to 120 000 unknowns
-# (python -m bench.plan_times compares them with a check).
+# (python -m bench.plan_times compares them with a check). `_JUDGE_STRESS`: static stress and
+# fatigue alone, as `auto` asks for them, of the press, a crank-rocker and a tail lift.
 _HUNDRED_THOUSAND = 100_000
-_MESH, _SOLVE, _SOLVE_EXPONENT, _JUDGE = 5.0, 4.0, 1.4, 22.0
+_MESH, _SOLVE, _SOLVE_EXPONENT, _JUDGE, _JUDGE_STRESS = 5.0, 4.0, 1.4, 22.0, 6.0
 _TRIAL = 0.0022
 _REPORT, _REPORT_OF_A_PART = 2.0, 1.0  # encoding, pictures and page
 SECOND_MESH = 1.8  # times the unknowns of the first, as parts of the press need them
@@ -225,9 +226,13 @@ def solve_seconds(unknowns: int) -> float:
     return slowness() * _SOLVE * float((unknowns / _HUNDRED_THOUSAND) ** _SOLVE_EXPONENT)
 
 
-def judging_seconds(unknowns: int) -> float:
-    """Estimated time of what follows the solves on the last mesh, s: fatigue, buckling, fields."""
-    return slowness() * _JUDGE * unknowns / _HUNDRED_THOUSAND
+def judging_seconds(unknowns: int, *, stress: bool = False) -> float:
+    """Estimated time of what follows the solves on the last mesh, s: fatigue, buckling, fields.
+
+    stress  whether it is judged alone
+    """
+    each = _JUDGE_STRESS if stress else _JUDGE
+    return slowness() * each * unknowns / _HUNDRED_THOUSAND
 
 
 def solve_gibibytes(unknowns: int) -> float:
@@ -235,15 +240,16 @@ def solve_gibibytes(unknowns: int) -> float:
     return float(_GIBIBYTES * (unknowns / _UNKNOWNS) ** _MEMORY_EXPONENT)
 
 
-def solid_seconds(first: int, second: int) -> float:
+def solid_seconds(first: int, second: int, *, stress: bool = False) -> float:
     """Estimated time of a part's check on two meshes of so many unknowns, s."""
     each = (mesh_seconds(n) + solve_seconds(n) for n in (first, second))
-    return sum(each) + judging_seconds(second)
+    return sum(each) + judging_seconds(second, stress=stress)
 
 
-def check_seconds(first: int) -> float:
+def check_seconds(first: int, *, stress: bool = False) -> float:
     """Estimated time of a part's check once its first mesh is made, of so many unknowns, s."""
-    return solid_seconds(first, int(SECOND_MESH * first)) - mesh_seconds(first)
+    second = int(SECOND_MESH * first)
+    return solid_seconds(first, second, stress=stress) - mesh_seconds(first)
 
 
 def report_seconds(parts: int) -> float:

@@ -21,6 +21,7 @@ from checks.part.loaded_part import LoadedPart
 from checks.part.part_loads import loads_on
 from checks.result.verdict import NOT_MESHED, Status
 from checks.result.words import reason
+from checks.stress.kept_models import check_seconds
 from checks.stress.solid_mesh_level import Models
 
 from ...small_machine import PLATE, machine, solved
@@ -183,6 +184,19 @@ def test_without_time_no_solid_is_begun_and_what_it_would_settle_is_told(tmp_pat
     assert any("it may settle static" in text for text in result.warnings)
     assert result.status is Status.UNDECIDED
     assert "--within 0.001s" in result.command
+
+
+def test_the_time_of_a_solid_is_told_from_the_mesh_that_it_begins_with(tmp_path, bars):
+    """Of stress alone: half of a coarse one, where the whole solid would begin with a finer one."""
+    bars(formula=0.1)
+    first = started(tmp_path)
+    climb_cheap(first, AUTO)
+    need = required_at(first, "static", 1.0)
+    design = machine(tmp_path, PLATE, f"require.static={need}", LOOSE)
+    (late,) = check_design(design, effort=Effort(within=0.001)).parts
+    (part,) = check_design(design).parts
+    unknowns = part.meshes[0]["unknowns"]
+    assert late.rungs[-1].expected == pytest.approx(check_seconds(unknowns, stress=True))
 
 
 def test_a_solid_of_more_unknowns_than_allowed_leaves_what_the_formula_knows(tmp_path, bars):
