@@ -17,7 +17,7 @@ AMPLITUDE = "amplitude"  # of equal safety, beside the values of checks
 _ROUND_OFF = 1e-9  # of a value
 _NOTHING = 1e-6  # MPa or N
 _RUBBED = "pins that rub where they press"
-# Times friction and the peak stress, of pins that press on arcs down to 90 degrees. On narrower ones
+# Times friction and the peak stress, of pins that press on arcs down to 90 degrees. On less
 # a swing has more, up to a share of the peak, as the angle of friction moves all of the pressure.
 _STEADY, _SWING = 0.85, 1.3
 _ON_NARROW, _GROWTH, _MOST_SWING = 1.1, 1.2, 0.6
