@@ -206,13 +206,12 @@ def blows_of(
                 continue  # the swing has its own
             one = max(swung.blows, key=lambda one: float(one.blow.force.max()), default=None)
         if one is not None:
-            start, count = float(one.loads.times[0]), len(swung.swing.strikes) if swung else 0
             summary = replace(
                 summary,
-                time=start,
+                time=float(one.loads.times[0]),
                 at=float(shown[one.row]),
                 speed=one.speed,
-                solved=_force(one, count),
+                solved=_force(one, swung),
             )
         found.append(summary)
     return sorted(found, key=lambda one: one.time)
@@ -387,20 +386,42 @@ def _summary(
     )
 
 
-def _force(struck: loads.BlowLoads, count: int) -> BlowForceSummary:
-    """A blow's force over time, in figures; one of so many in a cycle."""
+def _force(struck: loads.BlowLoads, swung: loads.SwungCycle | None) -> BlowForceSummary:
+    """A blow's force over time, in figures; one of those of a swing.
+
+    Where the drive still presses on at the end of its moments the swing has the rest.
+    """
     blow = struck.blow
-    return BlowForceSummary(
+    found = BlowForceSummary(
         peak=float(blow.force.max()),
         contact=blow.contact,
         depth=blow.depth,
         energy=blow.energy,
         rebound=blow.rebound,
         until=float(blow.times[-1]),
-        count=count,
+        count=0 if swung is None else len(swung.swing.strikes),
         joints={
             name: float(np.hypot(*load.force.T).max())
             for name, load in struck.loads.reactions.items()
+        },
+    )
+    if swung is None or not isinf(blow.contact):
+        return found
+    start, times = float(struck.loads.times[0]), swung.loads.times
+    first = int(np.searchsorted(times, start, "right"))
+    pressing = np.append(swung.swing.force[first:] > 0.0, False)
+    last = first + int(pressing.argmin())
+    rows = slice(first, last)
+    peak = max([found.peak, *swung.swing.force[rows].tolist()])
+    return replace(
+        found,
+        peak=peak,
+        depth=swung.swing.depth,
+        energy=peak * swung.swing.depth,
+        contact=float(times[last]) - start if last < len(times) else inf,
+        joints={
+            name: max([force, *np.hypot(*swung.loads.reactions[name].force[rows].T).tolist()])
+            for name, force in found.joints.items()
         },
     )
 
