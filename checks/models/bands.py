@@ -244,7 +244,7 @@ def _beyond(
     found = {}
     for name, value in scales.items():
         if name not in compared:
-            return NoBand(f"no solid with {name} was compared")
+            return NoBand(f"{name} is {value:.3g}, no solid that has one was compared")
         low, high = compared[name]
         if name == ARC:
             high = inf
