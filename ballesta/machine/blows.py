@@ -204,7 +204,7 @@ def blows_of(
         if swung is not None:
             if found:
                 continue  # the swing has its own
-            one = max(swung.blows, key=lambda one: float(one.blow.force.max()), default=None)
+            one = max(swung.blows, key=lambda one: _force(one, swung).peak, default=None)
         if one is not None:
             summary = replace(
                 summary,
@@ -419,6 +419,7 @@ def _force(struck: loads.BlowLoads, swung: loads.SwungCycle | None) -> BlowForce
         depth=swung.swing.depth,
         energy=peak * swung.swing.depth,
         contact=float(times[last]) - start if last < len(times) else inf,
+        until=max(found.until, float(times[min(last, len(times) - 1)]) - start),
         joints={
             name: max([force, *np.hypot(*swung.loads.reactions[name].force[rows].T).tolist()])
             for name, force in found.joints.items()

@@ -499,6 +499,7 @@ def test_a_flywheel_presses_a_workpiece_through_the_dead_centre(tmp_path, yields
     depth = 10.0 - peak * (1 / 2e3 + 1 / 500e3)
     assert told.solved.depth == pytest.approx(depth, abs=0.1)
     assert told.solved.energy == pytest.approx(peak * depth, abs=0.1 * peak)
+    assert told.solved.until == told.solved.contact
 
 
 def test_a_blow_of_rigid_bodies_alone_is_refused_with_its_place(tmp_path):
