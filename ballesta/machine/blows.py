@@ -31,6 +31,7 @@ _TURNED = 0.1  # of the speed: the pose counts as one through a blow
 _REPEATS = 0.02  # of the largest deformation
 _STILL = 0.1
 _SURGE = 0.1  # of its speed: a drive that the swing speeds up and slows by more does not keep it
+_THROUGH = 0.25  # the same: beyond it the drive may not get through
 _MINUTE = 60.0  # s
 _SOFT = 0.9  # share of the linkage in the compliance of both, above which it pushes back too late
 
@@ -41,7 +42,8 @@ class StruckCycle:
 
     blows  of one contact after another, in their order
     swung  the cycle as the linkage swings by them; None where it does not end as it begins, or the
-           drive does not keep its speed
+           drive does not keep its speed and the first blow alone is nearer to the truth: its pose
+           holds, or the drive may not get through
     surge  as in SwungCycle
     """
 
@@ -166,7 +168,10 @@ def _swung(
         pick,
     )
     if swung.surge > _SURGE:
-        return replace(_struck(design, touching, [met]), surge=swung.surge)
+        first = _struck(design, touching, [met])
+        turned = max(one.turned for one in first.blows)
+        if turned <= _TURNED or swung.surge > _THROUGH:
+            return replace(first, surge=swung.surge)
     return StruckCycle(swung.blows, swung, swung.surge)
 
 
@@ -275,8 +280,8 @@ def _gates(name: str, struck: StruckCycle) -> Iterator[Gate]:
             struck.surge,
             _SURGE,
             "range of the work that the swing by the blows asks of the drive over twice its "
-            "kinetic energy: beyond the limit the drive does not keep the speed of the cycle, and "
-            "the loads have the first blow alone",
+            "kinetic energy: beyond the limit the drive does not keep the speed of the cycle"
+            + (", and the loads have the first blow alone" if struck.swung is None else ""),
             cure="A larger drive.flywheel",
         )
     yield Gate(

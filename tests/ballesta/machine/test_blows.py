@@ -502,6 +502,20 @@ def test_a_flywheel_presses_a_workpiece_through_the_dead_centre(tmp_path, yields
     assert told.solved.until == told.solved.contact
 
 
+def test_a_flywheel_that_slows_by_a_fifth_still_presses_through(tmp_path):
+    """100 J of 237, 50 J of them as if slowly: another speed, the same 10 mm, a pose that turns."""
+    stiff = "[drive]\nflywheel = '3 kg m2'\n[elastic.joints]\nB = '500 kN/mm'\n[duty]"
+    answers = "restitution = 0.3", 'blow = { stiffness = "2 kN/mm" }'
+    result = loads_of_file(stop_design(tmp_path, answers, ("[duty]", stiff)))
+    (broken,) = [gate for gate in result.gates if not gate.holds]
+    assert broken.name == "run: speed of the drive in the swing"
+    assert broken.binding
+    assert broken.value == pytest.approx(0.5 * 50.0 / 237.0, rel=0.05)
+    assert "first blow" not in broken.meaning
+    (blow,) = result.cycles[0].blows
+    assert blow.solved.peak == pytest.approx(10.0 / (1 / 2e3 + 1 / 500e3), rel=0.03)
+
+
 def test_a_blow_of_rigid_bodies_alone_is_refused_with_its_place(tmp_path):
     file = stop_design(tmp_path, ("restitution = 0.3", 'blow = { yields = "1 kN" }'))
     with pytest.raises(DesignError, match=r"cycles\.run: the blow of stop: nothing of the linkage"):
