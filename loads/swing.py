@@ -69,6 +69,7 @@ class Swing:
     turns    cycles until it repeats
     changed  by how much the next cycle begins otherwise, over the largest deformation
     missing  energy that is not accounted for, over what motion and drive gave
+    depth    mm that the workpiece is pressed in for good in a cycle
     """
 
     force: FloatArray
@@ -77,6 +78,7 @@ class Swing:
     turns: int
     changed: float
     missing: float
+    depth: float
 
 
 def swing(
@@ -125,6 +127,7 @@ def swing(
         turns,
         changed,
         run.missing(state),
+        run.set,
     )
 
 
@@ -164,7 +167,7 @@ def swung_cycle(
     free      the same without it, with what vibration adds where that is wanted
     elastic   as `free` without vibration, of a linkage in which everything gives way that can
     response  of `elastic` to vibration
-    inertia   as in `blow_loads`
+    inertia   t or t mm2 on the coordinate of the pace, by which the drive keeps its speed
     pick      "lowest" or "highest" frequency of every mode over the cycle; "": at the touch
 
     Raises LinkageError where the cycle begins in touch, none of the followed modes gives way at the
@@ -225,7 +228,7 @@ def swung_cycle(
                 bent @ (omega * strike.rates),
             )
             blows.append(
-                blow_loads(shown, stretched, force, at, law.struck, damping, inertia, swinging)
+                blow_loads(shown, stretched, force, at, law.struck, damping, swinging=swinging)
             )
     surge = _surge(touching, loads, modes.holder, inertia)
     return SwungCycle(found, loads, tuple(blows), surge, 1.0 - swinging_share / modal)

@@ -186,11 +186,14 @@ def _headline(result: DesignResult, titles: dict[int, str]) -> Iterator[Fact]:
     for edges in run_in_edges(result) if result.status is Status.PASS else ():
         yield Fact("rests on", _short(edges))
     yield from _changes(result)
-    yield from _ways(result)
+    ways = _ways(result)
+    yield from ways
     broken = broken_of(result)
     for binding, alike in groupby(broken, key=lambda gates: gates.binding):
         first, *left = alike
         told = first.told if len(first.told) <= _LONGEST_MEANING else first.cure
+        if any(told in way.text for way in ways):
+            told = ""  # stands above
         more = len(left) - _MOST_GATES
         shorts = [gates.short for gates in left[:_MOST_GATES]]
         said = (first.short, told, *shorts, f"and {more} more" if more > 0 else "")

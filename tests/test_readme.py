@@ -53,6 +53,11 @@ def test_the_designs_that_are_shown_are_those_that_are_there():
     assert blocks(DESIGN_FILES, "toml")[0] == press
 
 
+def test_every_piece_of_a_design_file_in_the_docs_is_toml():
+    pages = sorted((ROOT / "docs").rglob("*.md"))
+    assert sum(len(list(map(tomllib.loads, blocks(page.read_text(), "toml")))) for page in pages)
+
+
 def test_the_part_from_cad_in_the_docs_is_read(tmp_path):
     """In place of the press' lower bar, with a plate of 250 mm between its holes."""
     (press,), (shown,) = blocks(DESIGN_FILES, "toml"), blocks(FROM_CAD, "toml")

@@ -360,6 +360,10 @@ def _toml(text: str) -> dict[str, Any]:
     return tomllib.loads(text)
 
 
+# tomllib's words where a line ends between braces
+_IN_BRACES = ("Invalid initial character for a key part", "Unclosed inline table")
+
+
 def _parsed(file: Path, text: str) -> dict[str, Any]:
     try:
         return dict(_toml(text))
@@ -369,6 +373,9 @@ def _parsed(file: Path, text: str) -> dict[str, Any]:
         what = message[: place.start()] if place else message
         if place and place[1]:
             where = f"line {place[1]}, column {place[2]}"
+            left = text.split("\n")[int(place[1]) - 1][int(place[2]) - 1 :].strip()
+            if what in _IN_BRACES and (not left or left.startswith("#")):
+                what = f"{what}: a table in braces must end on the line that it begins on"
         else:
             where = f"line {text.count(chr(10)) + 1}, at the end"
         raise DesignError(file, where, f"is not TOML: {what}") from None

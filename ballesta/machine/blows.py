@@ -31,6 +31,7 @@ _TURNED = 0.1  # of the speed: the pose counts as one through a blow
 _REPEATS = 0.02  # of the largest deformation
 _STILL = 0.1
 _SURGE = 0.1  # of its speed: a drive that the swing speeds up and slows by more does not keep it
+_THROUGH = 0.25  # the same: beyond it the drive may not get through
 _MINUTE = 60.0  # s
 _SOFT = 0.9  # share of the linkage in the compliance of both, above which it pushes back too late
 
@@ -41,7 +42,8 @@ class StruckCycle:
 
     blows  of one contact after another, in their order
     swung  the cycle as the linkage swings by them; None where it does not end as it begins, or the
-           drive does not keep its speed
+           drive does not keep its speed and the first blow alone is nearer to the truth: its pose
+           holds, or the drive may not get through
     surge  as in SwungCycle
     """
 
@@ -166,7 +168,10 @@ def _swung(
         pick,
     )
     if swung.surge > _SURGE:
-        return replace(_struck(design, touching, [met]), surge=swung.surge)
+        first = _struck(design, touching, [met])
+        turned = max(one.turned for one in first.blows)
+        if turned <= _TURNED or swung.surge > _THROUGH:
+            return replace(first, surge=swung.surge)
     return StruckCycle(swung.blows, swung, swung.surge)
 
 
@@ -204,15 +209,14 @@ def blows_of(
         if swung is not None:
             if found:
                 continue  # the swing has its own
-            one = max(swung.blows, key=lambda one: float(one.blow.force.max()), default=None)
+            one = max(swung.blows, key=lambda one: _force(one, swung).peak, default=None)
         if one is not None:
-            start, count = float(one.loads.times[0]), len(swung.swing.strikes) if swung else 0
             summary = replace(
                 summary,
-                time=start,
+                time=float(one.loads.times[0]),
                 at=float(shown[one.row]),
                 speed=one.speed,
-                solved=_force(one, count),
+                solved=_force(one, swung),
             )
         found.append(summary)
     return sorted(found, key=lambda one: one.time)
@@ -276,8 +280,8 @@ def _gates(name: str, struck: StruckCycle) -> Iterator[Gate]:
             struck.surge,
             _SURGE,
             "range of the work that the swing by the blows asks of the drive over twice its "
-            "kinetic energy: beyond the limit the drive does not keep the speed of the cycle, and "
-            "the loads have the first blow alone",
+            "kinetic energy: beyond the limit the drive does not keep the speed of the cycle"
+            + (", and the loads have the first blow alone" if struck.swung is None else ""),
             cure="A larger drive.flywheel",
         )
     yield Gate(
@@ -387,20 +391,43 @@ def _summary(
     )
 
 
-def _force(struck: loads.BlowLoads, count: int) -> BlowForceSummary:
-    """A blow's force over time, in figures; one of so many in a cycle."""
+def _force(struck: loads.BlowLoads, swung: loads.SwungCycle | None) -> BlowForceSummary:
+    """A blow's force over time, in figures; one of those of a swing.
+
+    Where the drive still presses on at the end of its moments the swing has the rest.
+    """
     blow = struck.blow
-    return BlowForceSummary(
+    found = BlowForceSummary(
         peak=float(blow.force.max()),
         contact=blow.contact,
         depth=blow.depth,
         energy=blow.energy,
         rebound=blow.rebound,
         until=float(blow.times[-1]),
-        count=count,
+        count=0 if swung is None else len(swung.swing.strikes),
         joints={
             name: float(np.hypot(*load.force.T).max())
             for name, load in struck.loads.reactions.items()
+        },
+    )
+    if swung is None or not isinf(blow.contact):
+        return found
+    start, times = float(struck.loads.times[0]), swung.loads.times
+    first = int(np.searchsorted(times, start, "right"))
+    pressing = np.append(swung.swing.force[first:] > 0.0, False)
+    last = first + int(pressing.argmin())
+    rows = slice(first, last)
+    peak = max([found.peak, *swung.swing.force[rows].tolist()])
+    return replace(
+        found,
+        peak=peak,
+        depth=swung.swing.depth,
+        energy=peak * swung.swing.depth,
+        contact=float(times[last]) - start if last < len(times) else inf,
+        until=max(found.until, float(times[min(last, len(times) - 1)]) - start),
+        joints={
+            name: max([force, *np.hypot(*swung.loads.reactions[name].force[rows].T).tolist()])
+            for name, force in found.joints.items()
         },
     )
 

@@ -22,6 +22,7 @@ from loads.vibration import closes, cycle_modes
 
 VALID = 1.05  # largest response with vibration over that without, which needs no word
 _LIMIT = 1.2
+_APPLIED = "dynamics.apply=true"
 _SHARE = 0.05  # of the linkage's deformation: modes below it count by their share only
 _TOLD_SUM = 1.01  # over the worst deviation: less is not told to be a sum
 _LOST = 0.05  # of the largest deformation: waves of vibration between the positions
@@ -218,6 +219,13 @@ def quasi_static_gates(design: Design, found: Mapping[str, CycleVibration]) -> l
         if worst is None:
             continue
         applied = design.dynamics.apply and not vibration.contact
+        response = vibration.response
+        followed = (
+            None
+            if vibration.contact or response is None or not response.responses
+            else _followed_gate(name, response)
+        )
+        cure, key = ("", "") if applied or followed is None else _put_on(followed)
         gates.append(
             Gate(
                 f"{name}: quasi-static loads",
@@ -226,11 +234,22 @@ def quasi_static_gates(design: Design, found: Mapping[str, CycleVibration]) -> l
                 f"{verdict_words(1.0 + vibration.deviation)}. {_meaning(design, vibration, worst)}"
                 + (" What it adds is in the loads." if applied else ""),
                 binding=not applied,
+                cure=cure,
+                key=key,
             )
         )
-        if applied and vibration.response is not None and vibration.response.responses:
-            gates.append(_followed_gate(name, vibration.response))
+        if applied and followed is not None:
+            gates.append(followed)
     return gates
+
+
+def _put_on(followed: Gate) -> tuple[str, str]:
+    """Cure and override that put vibration on the loads; "" where no positions follow its waves."""
+    if followed.holds:
+        return f"Put what it adds on the loads ({_APPLIED})", _APPLIED
+    if followed.key:
+        return f"Put what it adds on the loads ({_APPLIED} with {followed.key})", ""
+    return "", ""
 
 
 def _followed_gate(name: str, response: CycleResponse) -> Gate:
@@ -257,17 +276,20 @@ def _followed_gate(name: str, response: CycleResponse) -> Gate:
         f"{number(1.0 / (worst.highest * response.step))} positions in its period where they lie "
         "farthest apart, between which its waves are lost"
     )
+    cure = key = ""
     if value > _LOST:
         left = _LOST - lost(worst, moments(worst))
         step = acos(1.0 - min(max(left, 0.0) / _counted(worst), 2.0)) / (pi * worst.highest)
         count = ceil(1.1 * positions * response.step / step) if step else inf
-        told += (
-            f". State cycles.{name}.positions = {count} or more"
-            if count <= _MOST_POSITIONS
-            else ". It is too fast for the moments or the positions that a cycle can have: state a "
-            "longer dynamics.rise, if loads rise so, or leave dynamics.apply out"
-        )
-    return Gate(f"{name}: vibration between the positions", value, _LOST, told)
+        if count <= _MOST_POSITIONS:
+            cure = f"State cycles.{name}.positions = {count} or more"
+            key = f"cycles.{name}.positions={count}"
+        else:
+            cure = (
+                "It is too fast for the moments or the positions that a cycle can have: state a "
+                "longer dynamics.rise, if loads rise so, or leave dynamics.apply out"
+            )
+    return Gate(f"{name}: vibration between the positions", value, _LOST, told, cure=cure, key=key)
 
 
 def verdict_words(factor: float) -> str:

@@ -177,6 +177,9 @@ def _dead_centre(design: Design, name: str, cycle: loads.CycleLoads, doubted: bo
     worst = int(cycle.conditioning.argmin())
     shown, unit = shown_name(stated)
     at = float(shown_position(stated, cycle.positions)[worst])
+    stop = f"cycles.{name}.stop.tolerance"
+    if stated.stop is None:
+        stop = f'cycles.{name}.stop={{basis="mechanical", tolerance="0.1 {unit}"}}, say'
     return Gate(
         dead_centre_gate(name),
         1.0 / float(cycle.conditioning[worst]),
@@ -189,8 +192,8 @@ def _dead_centre(design: Design, name: str, cycle: loads.CycleLoads, doubted: bo
         binding=not doubted,
         cure=""
         if doubted or not is_near_dead_centre(cycle)
-        else f"End the travel farther from it, or state cycles.{name}.stop.tolerance, so that the "
-        "loads at both ends of it are in the error bars, where that does not reach the dead centre",
+        else f"End the travel farther from it, or state {stop}, so that the loads at both ends "
+        "of it are in the error bars, where that does not reach the dead centre",
     )
 
 

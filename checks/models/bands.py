@@ -33,6 +33,7 @@ from checks.models.in_bores import InBores
 from checks.models.shapes import shape_model
 from checks.part.part_loads import TIE, PartLoads
 from checks.result.derivation import Given, Item, Step
+from checks.result.words import number
 from geometry.shape import Shape
 
 ARC = "arc of contact, deg"
@@ -244,7 +245,7 @@ def _beyond(
     found = {}
     for name, value in scales.items():
         if name not in compared:
-            return NoBand(f"no solid with {name} was compared")
+            return NoBand(f"{name} is {value:.3g}, no solid that has one was compared")
         low, high = compared[name]
         if name == ARC:
             high = inf
@@ -284,10 +285,11 @@ def turned_otherwise(family: str, rung: str, kind: str, part: Part, loads: PartL
     couple = max(float(np.abs(one[:, 5]).max()) for one in wrenches)
     if couple <= _FRICTION * radius * force + TIE * part.geometry.length * loads.largest_force:
         return ""
-    how = "couples swing by" if kind == _FATIGUE else "there are couples of"
+    swing = kind == _FATIGUE
     return (
-        f"{how} up to {couple:.3g} N mm in bores beside forces of {force:.3g} N, more than "
-        f"friction of {_FRICTION:g} makes; solids were compared without"
+        f"couples {'swing by' if swing else 'are'} up to {number(couple * 1e-3)} N m in bores "
+        f"whose forces {'swing by' if swing else 'are'} up to {number(force)} N, more than "
+        f"friction of {_FRICTION:g} makes of these; solids were compared without"
     )
 
 

@@ -323,8 +323,8 @@ def _by_clearance(
         for name, value in part.facts.items()
         if name.startswith(begins) and name.endswith(ends)
     }
-    if not found:
-        return
+    if not any(found.values()):
+        return  # no pin turns without any clearance
     hit = _hit(result, part, found)
     slowed = (
         f", and that oil, preload or friction slows those of {', '.join(hit)} as they cross their "

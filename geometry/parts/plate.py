@@ -37,6 +37,7 @@ _STATIONS = 65  # heights of a link, between which they are straight
 _STATED = 1e-3  # mm, how exactly points are usually stated
 _STRAIGHT = 1e-3  # of the bores' distance: how far the sections of a column may lie beside it
 _BESIDE = 32  # sections within a height on either side of one
+_PLACES = 100  # along an arm, of which the nearest that may have a weld is told
 _TAPER = 0.25  # slope of an edge up to which a section has the stress of an even bar
 
 Pair = tuple[float, float]
@@ -244,32 +245,44 @@ class Plate(Shape):
         if not 0 <= at <= apart:
             told = f"beyond {names[1]}, which is {apart:.6g} mm from {names[0]}"
             raise ParameterError("at", f"{at:g} mm lies {told if at > 0 else f'before {names[0]}'}")
-        point = first + at * way
+        found = self._bar_at(first + at * way, way)
+        if isinstance(found, str):
+            step = max(1.0, round(apart / _PLACES))
+            for one in sorted(np.arange(0.0, apart, step), key=lambda place: abs(place - at)):
+                if not isinstance(self._bar_at(first + one * way, way), str):
+                    told = f"the nearest place where it is: {one:g} mm"
+                    break
+            else:
+                told = f"it is nowhere from {names[0]} to {names[1]}"
+            raise ParameterError("at", f"at {at:g} mm {found}; {told}")
+        section = plate_section("arm", found, self.thickness)
+        across = first + at * way, way
+        return Walls("flat", found, self.thickness, (at, at), section, across=across)
+
+    def _bar_at(self, point: complex, way: complex) -> float | str:
+        """Height of the section across a way; or why its stress is not a bar's, in words."""
         cut = self.outline.cut(point, way)
         if cut is None or len(cut.spans) > 1:
             where = "beside the plate" if cut is None else "at a hole"
-            raise ParameterError("at", f"at {at:g} mm the section is {where}")
+            return f"the stress is not that of a bar: the section is {where}"
         height = cut.ends[1] - cut.ends[0]
         for contour in self.outline.inner:
             middle = contour.circle[0] if contour.circle else contour.flat
             gap = float(np.abs(middle - point).min())
             if gap < BESIDE * height:
-                raise ParameterError(
-                    "at",
-                    f"at {at:g} mm the stress is not that of a bar: a hole is {gap:.4g} mm away; "
-                    f"it must be at least {BESIDE:g} heights, {BESIDE * height:.4g} mm",
+                return (
+                    f"the stress is not that of a bar: a hole is {gap:.4g} mm away; it must be at "
+                    f"least {BESIDE:g} heights, {BESIDE * height:.4g} mm"
                 )
         for step in height * np.linspace(-1.0, 1.0, _BESIDE):
             near = self.outline.cut(point + step * way, way)
             aside = np.inf if near is None else np.abs(np.subtract(near.ends, cut.ends)).max()
             if aside > _TAPER * abs(step):
-                raise ParameterError(
-                    "at",
-                    f"at {at:g} mm the stress is not that of a bar: an edge within its height of "
-                    f"{height:.4g} mm is steeper than 1 to {1 / _TAPER:g}",
+                return (
+                    f"the stress is not that of a bar: an edge within its height of {height:.4g} "
+                    f"mm is steeper than 1 to {1 / _TAPER:g}"
                 )
-        section = plate_section("arm", height, self.thickness)
-        return Walls("flat", height, self.thickness, (at, at), section, across=(point, way))
+        return float(height)
 
     def hollow_edges(self, shares: Sequence[float]) -> Iterator[tuple[complex, complex, float]]:
         """Points at shares of every hollow arc of the outer contour, its centre and angle, rad."""

@@ -123,6 +123,14 @@ def test_a_validity_check_that_does_not_hold_is_told_with_its_cure(binding, labe
     assert f"{label} speed: 2.00 > 1.00; the drive slows down. State drive.control" in text
 
 
+def test_a_cure_that_stands_among_the_ways_out_is_not_told_twice():
+    gate = Gate("speed", 2.0, 1.0, "the drive slows down" * 20, cure="State drive.control")
+    way = Way("speed", gate.cure)
+    text = words(answer_text(replace(results.design(gates=[gate]), ways=[way]), 100))
+    assert text.count("State drive.control") == 1
+    assert "way out speed: State drive.control NOT VALID speed: 2.00 > 1.00 " in text
+
+
 def test_validity_checks_that_do_not_hold_are_one_paragraph_that_counts_what_it_leaves_out():
     gates = [Gate(f"one: kind {k}", 2.0, 1.0, "told", False) for k in range(6)]
     binding = Gate("speed", 2.0, 1.0, "the drive slows down")

@@ -88,6 +88,8 @@ REFUSED = {
     "clearance of a tenth": ((FITS, 'fits = { knee = "6 mm" }'), r"fits\.knee: a clearance of 6 mm is more than a tenth of the bore's diameter of 44 mm"),
     "clearance without unit": ((FITS, 'fits = { knee = "0.02 .. 0.06" }'), r'fits\.knee: must be a fit such as "H7/f7", or a clearance'),
     "not TOML": (('name = "Toggle press"', "name = Toggle press"), r"press\.toml: line 4, column \d+: is not TOML: Invalid value"),
+    "braces over two lines": (('width = "43 mm", diameter', 'width = "43 mm",\ndiameter'), r"line \d+, column \d+: is not TOML: .*: a table in braces must end on the line that it begins on"),
+    "brace on the next line": (('diameter = "35 mm" }', 'diameter = "35 mm"  # stepped\n}'), r"is not TOML: .*: a table in braces must end on the line"),
     "table twice": (("[parts.bar_lower]", "[parts.bar_upper]"), r"line \d+, column \d+: is not TOML: Cannot declare"),
 }  # fmt: skip
 

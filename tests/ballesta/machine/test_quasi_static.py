@@ -210,9 +210,20 @@ def test_vibration_that_is_lost_between_the_positions_is_no_load():
     assert few.value == pytest.approx(worst.share * worst.deviation * (1.0 - kept), rel=1e-3)
     assert few.binding
     assert not few.holds
-    wanted = int(re.search(r"cycles\.at_10\.positions = (\d+) or more", few.meaning)[1])
+    wanted = int(re.search(r"cycles\.at_10\.positions = (\d+) or more", few.cure)[1])
     assert gate(wanted).holds
     assert not gate(wanted // 2).holds
+
+    def way_out(positions):
+        design = hammer("at_10", overrides=(f"cycles.at_10.positions={positions}",))
+        (gate,) = quasi_static_gates(design, vibration_of(design, solve_cycles(design, {})))
+        assert not gate.holds
+        return gate.cure, gate.key
+
+    apply = "dynamics.apply=true"
+    assert way_out(wanted) == (f"Put what it adds on the loads ({apply})", apply)
+    also = f"Put what it adds on the loads ({apply} with cycles.at_10.positions={wanted})"
+    assert way_out(13) == (also, "")
 
 
 def test_a_load_that_jumps_is_told_and_overshoots_where_its_rise_is_stated(tmp_path):

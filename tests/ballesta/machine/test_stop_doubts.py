@@ -1,5 +1,6 @@
 """Travels that end beside a dead centre: the loads at both ends of the stop's tolerance."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from ballesta.machine.runs import stop_doubts
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.machine.validity_checks import load_gates
 from ballesta.pipeline import check_design
+from checks.design.data import Stop
 from checks.design.effort import Effort
 from checks.result.verdict import Status
 
@@ -62,7 +64,11 @@ def test_its_gate_does_not_bind_then_and_without_the_pair_says_what_to_state(nea
     assert "at both ends of the stop's tolerance are in the error bars" in gate.told
     alone = dead_centre(design, solved)
     assert alone.binding
-    assert "state cycles.press.stop.tolerance" in alone.cure
+    assert "state cycles.press.stop.tolerance, so that" in alone.cure
+    cycle = replace(design.cycles["press"], stop=None)
+    alone = dead_centre(replace(design, cycles={"press": cycle}), solved)
+    stop = alone.cure.partition(", or state ")[2].partition(", say")[0]
+    assert read_design(PRESS, (stop,)).cycles["press"].stop == Stop("mechanical", 0.1)
 
 
 def test_a_tolerance_that_reaches_the_dead_centre_leaves_the_gate_binding():

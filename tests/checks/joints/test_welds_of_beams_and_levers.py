@@ -344,7 +344,7 @@ def test_what_is_not_known_of_the_loads_is_in_the_bars(tmp_path):
         (CRANK, f'at = "100 mm", between = ["A", "B"], {ACROSS}', r"between: must be two neighbouring holes: .*; got A and B"),
         (CRANK, f'at = "201 mm", between = ["A", "O"], {ACROSS}', r"at: 201 mm lies beyond O, which is 200 mm from A"),
         (CRANK, f'at = "-1 mm", between = ["A", "O"], {ACROSS}', r"at: -1 mm lies before A"),
-        (CRANK, f'at = "0 mm", between = ["A", "O"], {ACROSS}', r"at: at 0 mm the section is at a hole"),
+        (CRANK, f'at = "0 mm", between = ["A", "O"], {ACROSS}', r"at: at 0 mm .*: the section is at a hole; the nearest place where it is: \d+ mm"),
         (CRANK, f'at = "30 mm", between = ["A", "O"], {ACROSS}', r"at: at 30 mm the stress is not that of a bar: a hole is 30 mm away; it must be at least 1\.25 heights, 40\.\d+ mm"),
     ],
 )  # fmt: skip
@@ -356,10 +356,11 @@ def test_refusals(tmp_path, text, welds, wording):
 @pytest.mark.parametrize(
     ("corners", "window", "at", "wording"),
     [
-        ([-30 - 20j, 130 - 20j, 130 - 35j, 330 - 35j, 330 + 35j, 130 + 35j, 130 + 20j, -30 + 20j], None, 100.0, "an edge within its height of 40 mm is steeper than 1 to 4"),
+        ([-30 - 20j, 130 - 20j, 130 - 35j, 330 - 35j, 330 + 35j, 130 + 35j, 130 + 20j, -30 + 20j], None, 100.0, "an edge within its height of 40 mm is steeper than 1 to 4; the nearest place where it is: 90 mm"),
         ([-30 - 20j, 120 - 20j, 122 - 8j, 124 - 20j, 330 - 20j, 330 + 20j, -30 + 20j], None, 100.0, "an edge within its height of 40 mm"),
         ([-30 - 20j, 330 - 20j, 330 + 20j, -30 + 20j], (150.0, 8.0), 110.0, "a hole is 40 mm away"),
-        ([-30 - 20j, 330 - 20j, 330 + 20j, -30 + 20j], (150.0, 8.0), 145.0, "the section is at a hole"),
+        ([-30 - 20j, 330 - 20j, 330 + 20j, -30 + 20j], (150.0, 8.0), 145.0, "the section is at a hole; the nearest place where it is: 99 mm"),
+        ([-99 - 90j, 399 - 90j, 399 + 90j, -99 + 90j], None, 150.0, "at least 1\\.25 heights, 225 mm; it is nowhere from A to B"),
         ([-30 - 20j, 100 - 20j, 100 - 90j, 200 - 90j, 200 - 20j, 330 - 20j, 330 + 20j, 199 + 20j, 199 - 50j, 101 - 50j, 101 + 20j, -30 + 20j], None, 150.0, "the section is beside the plate"),
     ],
 )  # fmt: skip

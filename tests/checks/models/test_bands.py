@@ -57,7 +57,7 @@ def test_proportions_may_leave_the_range_by_a_tenth_of_it():
 def test_a_proportion_that_no_solid_had_has_no_band():
     """A pin without a step tells none of its fillet; one with a step must have been compared."""
     stepped = band_of("plate_link", "formula", "static", {"fillet / neck": 0.03})
-    assert stepped == NoBand("no solid with fillet / neck was compared")
+    assert stepped == NoBand("fillet / neck is 0.03, no solid that has one was compared")
     assert isinstance(band_of("plate_link", "formula", "static", {}), Band)
 
 
