@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.part.part_loads import PartDoubt, _rubbing, loads_on
 from checks.strength.load_doubts import load_bars
+from loads import MeasuredLoads
 
 from ...small_machine import PLATE, machine, solved
 
@@ -153,6 +155,21 @@ def test_pins_that_rub_are_a_doubt_of_the_stress_beside_them(tmp_path):
 
     smooth = machine(tmp_path, PLATE)
     assert not loads_on(smooth, rod, solved(smooth)).rubs[0]
+
+
+def test_couples_of_a_file_are_friction_of_the_pins_up_to_a_coefficient_of_0_3(tmp_path):
+    """M/(r F) in bores of 12 mm under 10 N: 0.6 N mm are 0.01; 30 N mm are more than friction.
+
+    Half of the range counts towards a swing, 0 in it.
+    """
+    rod = machine(tmp_path, PLATE).parts["rod"]
+    body = SimpleNamespace(angle=np.zeros(3), body=SimpleNamespace(name="rod"))
+    run = MeasuredLoads("run", np.arange(3.0), None, {"rod": body})
+    for couple, share in ((0.6, 0.01), (-6.0, 0.1), (30.0, 0.3)):
+        wrench = np.tile([6.0, 8.0, 0.0, 0.0, 0.0, couple], (3, 1))
+        steady, swing = _rubbing(rod, {"run": run}, dict.fromkeys(rod.interfaces, wrench))
+        assert steady == pytest.approx(share, rel=1e-12)
+        assert swing == pytest.approx(min(abs(couple) / 120, 0.3), rel=1e-12)
 
 
 def test_a_life_has_as_large_a_share_of_pins_that_rub_as_the_amplitude_that_it_multiplies(tmp_path):
