@@ -381,9 +381,15 @@ def _of_own_inertia(design: Design, part: Part, runs: Runs, found: PartLoads) ->
         return []
     solid, pull = closed_body(part.geometry), float(np.hypot(*design.gravity))
     assert solid is not None, "a pin's volume is known by formula"
-    for cycle in runs.values():
-        if isinstance(cycle, loads.CycleLoads) and part.fixed_to != loads.GROUND:
-            moved = cycle.acceleration(part.fixed_to, str(part.joint)) - np.array(design.gravity)
+    holder, joint = part.fixed_to, str(part.joint)
+    for run in runs.values():
+        if isinstance(run, loads.MeasuredLoads):
+            moved = run.bodies[holder].pull_at(joint, run.gravity) if holder in run.bodies else None
+        elif holder == loads.GROUND:
+            moved = None
+        else:
+            moved = run.acceleration(holder, joint) - np.array(design.gravity)
+        if moved is not None:
             pull = max(pull, float(np.hypot(*moved.T).max()))
     mass = solid.mass_properties(part.material.density).mass
     share = design.load_factor * mass * pull / found.largest_force
