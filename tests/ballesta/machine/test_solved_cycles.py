@@ -122,3 +122,16 @@ def test_inertia_of_what_a_part_does_not_have_is_warned_of(tmp_path, stated):
     force = (10e-3 * 300 - part * 200) * 20**2
     assert len(told) == stated
     assert all(f"{force:.3g} N, {force / 12:.2g} % of its largest force" in text for text in told)
+
+
+def test_a_mass_without_inertia_is_spread_as_the_part_is(tmp_path):
+    """10 kg in place of the part's own mass turn with as many times the part's inertia."""
+    path = tmp_path / "arm.toml"
+    own = 'mass = "10 kg", inertia = "0.05 kg m2", centre = "300, 0 mm"'
+    path.write_text(TURNING.replace(f", {own}", ""), encoding="utf-8")
+    mass, centre, inertia = part_masses(read_design(path), Models())["arm"]
+    path.write_text(TURNING.replace(own, 'mass = "10 kg"'), encoding="utf-8")
+    heavy, same, more = part_masses(read_design(path), Models())["arm"]
+    assert heavy == pytest.approx(10e-3)
+    assert same == centre
+    assert more == pytest.approx(inertia * 10e-3 / mass)
