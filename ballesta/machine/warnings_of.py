@@ -25,6 +25,7 @@ from geometry.mesh import MassProperties
 from geometry.parts import Pin
 from geometry.parts.pin import as_pin
 
+_ARM = 1e-3  # mm, of the largest force or effort: a smaller couple is none
 _BEYOND = 0.05  # of a part's largest force: less inertia of what it does not have is not told
 _HALF_TURN = 180.0 + 1e-6  # deg
 _STATED = 1e-3  # mm, how exactly points are usually stated
@@ -148,6 +149,7 @@ def load_warnings(
         *_turns_apart(design),
         *_drives(design, solved),
         *_open_cycles(design, solved),
+        *_couples_that_rub(solved),
         *stop_warnings(design, solved),
         *dead_centre_warnings(design, solved),
     ]
@@ -250,6 +252,30 @@ def _open_cycles(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list
         if name in design.duty.cycles
         and design.cycles[name].event is None
         and not shown_cycle(design, cycle).closed
+    ]
+
+
+def _couples_that_rub(solved: Mapping[str, loads.CycleLoads]) -> list[str]:
+    """Guides with friction that bear couples, too, whose friction no length tells."""
+    most: dict[str, tuple[float, float]] = {}
+    for cycle in solved.values():
+        for name, own in cycle.linkage.friction.items():
+            load = cycle.reactions[name]
+            couple = float(np.abs(load.moment).max())
+            efforts = (float(np.abs(effort).max()) for effort in cycle.efforts.values())
+            largest = max(_largest_joint_force(cycle), *efforts)
+            if not own.coefficient or couple <= _ARM * largest:
+                continue
+            whole = (load.force**2).sum(axis=1) - load.friction_force**2
+            pressed = float(np.sqrt(np.maximum(whole, 0.0)).max())
+            known = most.get(name, (0.0, 0.0))
+            most[name] = max(known[0], couple), max(known[1], pressed)
+    return [
+        f"{name}: friction of its couple of up to {couple * 1e-3:.3g} N m is left out, as a guide "
+        "has no length here. Two bearings in a distance L press with 2/L times the couple in all: "
+        f"{2 * couple / 100:.3g} N at 100 mm, beside a force of up to {pressed:.3g} N whose "
+        "friction counts. Drive and loads may be larger, and the guide may jam"
+        for name, (couple, pressed) in most.items()
     ]
 
 

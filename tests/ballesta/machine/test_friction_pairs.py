@@ -11,7 +11,7 @@ from ballesta.design.read import read_design
 from ballesta.machine.drive_speed import friction_gate, friction_pairs
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.machine.validity_checks import load_gates
-from ballesta.machine.warnings_of import design_warnings
+from ballesta.machine.warnings_of import design_warnings, load_warnings
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.part.part_loads import PartDoubt, _rubbing, loads_on
@@ -182,3 +182,41 @@ def test_a_life_has_as_large_a_share_of_pins_that_rub_as_the_amplitude_that_it_m
         found.append((fatigue.value, more["pins that rub where they press"] / fatigue.value))
     assert found[1][0] > 1.2 * found[0][0]
     assert found[1][1] == pytest.approx(found[0][1], rel=1e-6)
+
+
+GUIDE = """
+name = "Slider with an arm"
+ground = ["G"]
+gravity = "0, 0 m/s2"
+points = { G = "0, 0 mm", S = "500, 0 mm", E = "500, ARM mm" }
+[bodies.slider]
+pins = ["S", "E"]
+mass = "0 kg"
+inertia = "0 kg m2"
+centre = "0, 0 mm"
+guide = { along = "1, 0" }
+[forces]
+cylinder = { between = ["G", "S"] }
+work = { body = "slider", at = "E", direction = "-1, 0" }
+[friction]
+guides = { coefficient = 0.2 }
+[cycles.stroke]
+coordinate = "S.x"
+start = "500 mm"
+pace = { coordinate = "S.x", speed = "0.1 m/s" }
+positions = 3
+phases = [{ name = "out", to = "700 mm", forces = { work = "1 kN" }, solve = "cylinder" }]
+"""
+
+
+@pytest.mark.parametrize(("arm", "told"), [("300", 1), ("1e-4", 0)])
+def test_a_couple_of_a_guide_that_rubs_is_warned_of(tmp_path, arm, told):
+    """1 kN on an arm of 300 mm: two bearings 100 mm apart press with 3 kN each, and none rubs."""
+    path = tmp_path / "slider.toml"
+    path.write_text(GUIDE.replace("ARM", arm), encoding="utf-8")
+    design = read_design(path)
+    cycles = solve_cycles(design, {})
+    assert cycles["stroke"].efforts["cylinder"] == pytest.approx(-1000.0)
+    warnings = [text for text in load_warnings(design, {}, cycles) if "guide:slider" in text]
+    assert len(warnings) == told
+    assert all("300 N m is left out" in text and "6e+03 N at 100 mm" in text for text in warnings)
