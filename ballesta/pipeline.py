@@ -400,7 +400,7 @@ def _assumed_here(design: Design) -> Iterator[tuple[str, str]]:
         if own.mass is not None and own.inertia is None:
             yield (
                 f"bodies.{body}.inertia",
-                "none is stated beside the mass: that of its part, of as much mass",
+                "none is stated beside the mass: its part's, of as much mass",
             )
     of_cycles = [cycle.friction or {} for cycle in design.cycles.values()]
     rubbing = set(design.friction or {}).union(*of_cycles)

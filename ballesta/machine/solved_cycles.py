@@ -31,7 +31,7 @@ def part_masses(
     """Mass, centre and inertia of every body that has a part, in the body's frame.
 
     Of its part with the pins that turn with it. What the design states of them goes before; beside
-    a mass that it states the part's inertia is that of as much mass.
+    a stated mass the part's inertia grows with the mass.
     """
     masses = {}
     for part in design.parts.values():

@@ -91,8 +91,8 @@ class BodyEntry(Table):
     )
     inertia: Inertia | None = Field(
         None,
-        description="about the centre of mass; beside a mass without it that of the body's part, "
-        "of as much mass",
+        description="about the centre of mass; where only a mass is stated the part's, of as much "
+        "mass",
     )
     centre: Point2 | None = Field(None, description="centre of mass in the body's frame")
     guide: Guide | None = Field(None, description="the body slides in the frame")
