@@ -19,7 +19,6 @@ from checks.part.part_loads import (
 )
 from checks.result.verdict import PartResult
 from checks.result.words import quantity_unit
-from fem.unit_loads import inertia_of
 from geometry.closed_form import closed_body
 from geometry.mesh import MassProperties
 from geometry.parts import Pin
@@ -85,6 +84,8 @@ def _masses_beyond(
 
     Of parts from CAD the solid tells the acceleration that stands for it.
     """
+    from fem.unit_loads import inertia_of  # loads alone need nothing that meshes or solves
+
     warnings = []
     for part in design.parts.values():
         body, solid = part.body, closed_body(part.geometry)
