@@ -396,6 +396,12 @@ def _assumed_here(design: Design) -> Iterator[tuple[str, str]]:
             "none is stated: pins and guides are taken without friction; it changes the forces and "
             "bends the parts by its couples",
         )
+    for body, own in design.stated_masses.items():
+        if own.mass is not None and own.inertia is None:
+            yield (
+                f"bodies.{body}.inertia",
+                "none is stated beside the mass: its part's, of as much mass",
+            )
     of_cycles = [cycle.friction or {} for cycle in design.cycles.values()]
     rubbing = set(design.friction or {}).union(*of_cycles)
     stated = {part.joint for part in design.parts.values()}

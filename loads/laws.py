@@ -3,10 +3,10 @@
 A formula gives a force over coordinates of the linkage and their rates. It is a tree of numbers,
 coordinates and functions, in units that go together. It has no function that jumps: a force that
 jumps is one against the motion, or another phase's. Where `abs`, `min` and `max` change over, the
-force has a kink, and may have a narrow peak where what stands in `exp`, under a power or below a
-division has its own, or between two smooth steps: `kinks`, `crests` and `steps` say where, so that
-a position stands there. Where it would divide by nothing on the way it is refused, as no grid of
-positions sees a pole between two of them.
+force has a kink, and may have a narrow peak where what stands in another bent function, under a
+power or below a division has its own, or between two smooth steps: `kinks`, `crests` and `steps`
+say where, so that a position stands there. Where it would divide by nothing on the way it is
+refused, as no grid of positions sees a pole between two of them.
 """
 
 from collections.abc import Callable, Iterable, Iterator
@@ -204,6 +204,9 @@ def expressed(motion: Motion, name: str, law: Expression) -> FloatArray:
     return values
 
 
+_BENT = ("**", "exp", "log", "sqrt", "atan", "asin", "acos")
+
+
 def kinks(motion: Motion, law: Expression) -> FloatArray:
     """Return functions (m, n) of the motion whose roots are where a formula has its kinks."""
     return _values(motion, _switches(law.term))
@@ -291,10 +294,12 @@ def _steps(term: Term) -> Iterator[Term]:
 
 
 def _inner(term: Term) -> Iterator[Term]:
-    """Terms in `exp`, under powers and below divisions: wide where their functions are narrow."""
+    """Terms in bent functions, under powers and below divisions: wide where these are narrow."""
     for part in _parts(term):
         match part:
-            case Apply("exp" | "**", (inner, *_)) | Apply("/", (_, inner)):
+            case Apply(function, (inner, *_)) if function in _BENT:
+                yield inner
+            case Apply("/", (_, inner)):
                 yield inner
             case _:
                 pass

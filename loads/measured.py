@@ -84,6 +84,12 @@ class MeasuredBody:
         ground = rotated(own, self.angle) if self.acceleration_in_body_frame else own
         return np.asarray(ground - np.array(gravity, dtype=float))
 
+    def pull_at(self, point: str, gravity: Vector) -> FloatArray:
+        """Return a point's acceleration minus gravity (n, 2) in the ground's axes [mm/s2]."""
+        arm = rotated(np.subtract(self.body.place(point), self.body.centre), self.angle)
+        turning = self.angular_acceleration[:, None] * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
+        return self.pull(gravity) + turning - self.angular_velocity[:, None] ** 2 * arm
+
     def residual(self, gravity: Vector) -> FloatArray:
         """Return the residual force, and moment about the centre (n, 3) [N, N mm].
 

@@ -91,6 +91,7 @@ def _weld(stated: WeldEntry, geometry: Shape) -> Weld:
         where,
         stated.throat,
         stated.partial_factor,
+        geometry.interfaces[0],
         tuple(stated.between or ()),
     )
 

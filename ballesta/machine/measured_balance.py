@@ -139,8 +139,13 @@ def balance_gates(design: Design, measured: Mapping[str, loads.MeasuredLoads]) -
 
 
 def not_measured(design: Design) -> list[str]:
-    """Parts on which a measured run has no load, in words."""
-    return [
+    """The linkage in measured runs, and parts on which a run has no load, in words."""
+    runs = " and ".join(design.measured)
+    linkage = (
+        f"the linkage in {runs}: its buckling, vibration, hits of pins in their play, and what "
+        "lies between two rows of a file, as measured loads are taken row by row"
+    )
+    return [linkage][: len(design.measured)] + [
         f"{part.name} in {name}: {run.file} has no load on it"
         for name, run in design.measured.items()
         for part in design.parts.values()

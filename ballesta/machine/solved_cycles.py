@@ -30,7 +30,8 @@ def part_masses(
 ) -> dict[str, tuple[float, tuple[float, float], float]]:
     """Mass, centre and inertia of every body that has a part, in the body's frame.
 
-    Of its part with the pins that turn with it. What the design states of them goes before.
+    Of its part with the pins that turn with it. What the design states of them goes before; beside
+    a stated mass the part's inertia grows with the mass.
     """
     masses = {}
     for part in design.parts.values():
@@ -48,6 +49,8 @@ def part_masses(
         own = part_placing(design, part).to_body(properties)
         mass, centre, inertia = _with_pins(design, part.body, own)
         stated = design.stated_mass(part)
+        if stated.mass is not None:
+            inertia *= stated.mass / mass
         masses[part.body] = (
             mass if stated.mass is None else stated.mass,
             centre if stated.centre is None else stated.centre,

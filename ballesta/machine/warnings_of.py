@@ -10,12 +10,22 @@ import loads
 from ballesta.machine.drive_speed import shown_cycle
 from ballesta.machine.solved_cycles import linkage_of
 from checks.design.data import Cycle, Design, Part
-from checks.part.part_loads import interface_distance, is_loaded, shown_name, shown_position
+from checks.part.part_loads import (
+    interface_distance,
+    is_loaded,
+    part_placing,
+    shown_name,
+    shown_position,
+)
 from checks.result.verdict import PartResult
 from checks.result.words import quantity_unit
+from geometry.closed_form import closed_body
+from geometry.mesh import MassProperties
 from geometry.parts import Pin
 from geometry.parts.pin import as_pin
 
+_ARM = 1e-3  # mm, of the largest force or effort: a smaller couple is none
+_BEYOND = 0.05  # of a part's largest force: less inertia of what it does not have is not told
 _HALF_TURN = 180.0 + 1e-6  # deg
 _STATED = 1e-3  # mm, how exactly points are usually stated
 _FAR = 3.0  # diameters of its hole that a plate beside another may stand away
@@ -41,6 +51,7 @@ def design_warnings(
         *_assembly(design, solved),
         *_short_columns(design),
         *_thin_friction(design),
+        *_masses_beyond(design, masses, solved),
     ]
 
 
@@ -60,6 +71,52 @@ def _thin_friction(design: Design) -> list[str]:
                 f"{pin.joint}: its friction is stated on a diameter of {2 * min(radii):g} mm, "
                 f"{pin.name} has {least:g} mm, whose couple is {least / 2 / min(radii):.3g} times "
                 "as large; is it a rolling bearing?"
+            )
+    return warnings
+
+
+def _masses_beyond(
+    design: Design,
+    masses: Mapping[str, tuple[float, tuple[float, float], float]],
+    solved: Mapping[str, loads.CycleLoads | loads.MeasuredLoads],
+) -> list[str]:
+    """Parts whose body states another mass, with the inertia that no place of the part has.
+
+    Of parts from CAD the solid tells the acceleration that stands for it.
+    """
+    from fem.unit_loads import inertia_of  # loads alone need nothing that meshes or solves
+
+    warnings = []
+    for part in design.parts.values():
+        body, solid = part.body, closed_body(part.geometry)
+        if body is None or body not in masses or solid is None:
+            continue
+        if design.stated_masses[body] == (None, None, None):
+            continue
+        own = part_placing(design, part).to_body(solid.mass_properties(part.material.density))
+        mine, whole = (
+            MassProperties(mass, np.array([*centre, 0.0]), inertia)
+            for mass, centre, inertia in (own, masses[body])
+        )
+        rest = inertia_of(whole) - inertia_of(mine)
+        rest[2] += np.array([mine.centre[1], -mine.centre[0]]) @ rest[:2]  # about its own centre
+        force = largest = 0.0
+        for run in solved.values():
+            if not is_loaded(part, run):
+                continue
+            every = {point: point for point in design.bodies[body].points}
+            history = run.part_history(body, every)
+            left = history.accelerations @ rest.T
+            couple = float(np.abs(left[:, 2]).max()) / part.geometry.length
+            force = max(force, float(np.hypot(*left[:, :2].T).max()), couple)
+            largest = max(largest, float(np.hypot(*history.wrenches.T[:2]).max()))
+        if force > _BEYOND * largest > 0.0:
+            warnings.append(
+                f"{part.name}: {body} is stated with {whole.mass * 1e3:.3g} kg, the part has "
+                f"{mine.mass * 1e3:.3g} kg. Inertia of up to {design.load_factor * force:.3g} N, "
+                f"{100 * force / largest:.2g} % of its largest force, is of what the part does not "
+                "have, and is spread along it: where that sits in one place sections beside it "
+                "carry up to about as much more, which is in no error bar"
             )
     return warnings
 
@@ -93,6 +150,7 @@ def load_warnings(
         *_turns_apart(design),
         *_drives(design, solved),
         *_open_cycles(design, solved),
+        *_couples_that_rub(solved),
         *stop_warnings(design, solved),
         *dead_centre_warnings(design, solved),
     ]
@@ -195,6 +253,30 @@ def _open_cycles(design: Design, solved: Mapping[str, loads.CycleLoads]) -> list
         if name in design.duty.cycles
         and design.cycles[name].event is None
         and not shown_cycle(design, cycle).closed
+    ]
+
+
+def _couples_that_rub(solved: Mapping[str, loads.CycleLoads]) -> list[str]:
+    """Guides with friction that bear couples, too, whose friction no length tells."""
+    most: dict[str, tuple[float, float]] = {}
+    for cycle in solved.values():
+        for name, own in cycle.linkage.friction.items():
+            load = cycle.reactions[name]
+            couple = float(np.abs(load.moment).max())
+            efforts = (float(np.abs(effort).max()) for effort in cycle.efforts.values())
+            largest = max(_largest_joint_force(cycle), *efforts)
+            if not own.coefficient or couple <= _ARM * largest:
+                continue
+            whole = (load.force**2).sum(axis=1) - load.friction_force**2
+            pressed = float(np.sqrt(np.maximum(whole, 0.0)).max())
+            known = most.get(name, (0.0, 0.0))
+            most[name] = max(known[0], couple), max(known[1], pressed)
+    return [
+        f"{name}: friction of its couple of up to {couple * 1e-3:.3g} N m is left out, as a guide "
+        "has no length here. Two bearings in a distance L press with 2/L times the couple in all: "
+        f"{2 * couple / 100:.3g} N at 100 mm, beside a force of up to {pressed:.3g} N whose "
+        "friction counts. Drive and loads may be larger, and the guide may jam"
+        for name, (couple, pressed) in most.items()
     ]
 
 

@@ -69,6 +69,7 @@ KINDS = (OPENING, YIELD, FATIGUE)
 OVER_CYCLES = True  # ranges, which no position shows by itself
 
 _THEORY = "docs/theory/bolts.md"
+_ARM = 1e-3  # mm, of the part's largest force: a smaller couple is none
 _CATEGORY = 50.0  # MPa, table 8.1, detail 14: threads rolled or cut, in tension
 _DETAIL = f"{STANDARD}, table 8.1, detail 14"
 _BAND = Band(words="a formula has no mesh; scatter of the preload is in the limits")
@@ -96,6 +97,13 @@ def not_checked(loaded: LoadedPart) -> Iterator[str]:
             "no force across them or sliding of the joint, thread long enough, pressure under "
             "heads, inertia of the cap, heat and loosening left out"
         )
+    for stated in loaded.part.bolts:
+        couple = float(np.abs(loaded.loads.wrenches[stated.at][:, 3:]).max())
+        if couple > _ARM * loaded.loads.largest_force:
+            yield (
+                f"NOT CHECKED: a couple of up to {couple * 1e-3:.3g} N m at {stated.at}, which its "
+                "screws bear by their distances, but for what the stated `prying` has of it"
+            )
 
 
 @dataclass(frozen=True, eq=False)

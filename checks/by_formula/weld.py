@@ -361,7 +361,7 @@ class _Ranges:
         return Heading(
             kind=FATIGUE,
             of=f"{self.name} at {self.weld.place}",
-            place=f"weld at {self.weld.place}, {told}",
+            place=f"weld at {self.weld.told}, {told}",
             basis=f"{self.where}; partial factor {self.weld.partial_factor:g} as the least safety",
         )
 
@@ -494,7 +494,7 @@ def _static(loaded: LoadedPart, weld: Weld, forces: Mapping[str, FloatArray]) ->
     heading = Heading(
         kind=THROAT,
         of=weld.place,
-        place=f"weld at {weld.place}, throat {weld.throat:g} mm",
+        place=f"weld at {weld.told}, throat {weld.throat:g} mm",
         basis="EN 1993-1-8, 4.5.3.3, whatever the direction of the force",
         unit="N/mm",
     )

@@ -158,12 +158,13 @@ class Roller:
 class Weld:
     """A weld across a part.
 
-    at              mm, from the part's first interface, or the first of `between`
+    at              mm, from `first`, or the first of `between`
     walls           that it stands on
     category        MPa, range of nominal stress in the walls that 2e6 cycles endure
     where           where the category is from
     throat          mm; None of a weld without a root that carries load
     partial_factor  least safety of its fatigue
+    first           the part's first interface, of a beam the first of its outermost holes
     between         two neighbouring holes of a plate
     """
 
@@ -173,13 +174,19 @@ class Weld:
     where: str
     throat: float | None
     partial_factor: float
+    first: str
     between: tuple[str, ...] = ()
 
     @property
     def place(self) -> str:
-        """Where it is, as reports say it."""
+        """Where it is, which tells it from the part's others."""
         arm = f" from {self.between[0]} to {self.between[1]}" if self.between else ""
         return f"{self.at:g} mm{arm}"
+
+    @property
+    def told(self) -> str:
+        """Where it is, with what it is measured from."""
+        return self.place if self.between else f"{self.place} from {self.first}"
 
 
 COMPARED_ARC = pi / 2  # of contact, rad: the narrowest on which formulas were compared with solids

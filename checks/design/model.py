@@ -224,7 +224,10 @@ class ContactEntry(Table):
 class WeldEntry(Table):
     """A weld all round a part, or along both faces of a flat one, across its axis."""
 
-    at: Length = Field(description="distance from the part's first interface, along the part")
+    at: Length = Field(
+        description="distance from the part's first interface, along the part; of a beam from the "
+        "outermost hole that `holes` names first"
+    )
     between: Annotated[list[str], Field(min_length=2, max_length=2)] | None = Field(
         None,
         description="of a lever or drawn plate: two neighbouring holes, `at` from the first along "
@@ -407,7 +410,7 @@ class BeamPartEntry(BodyPartEntry):
     """A straight beam of a profile with any number of pins on its middle line.
 
     Its interfaces are holes that the entry names; the points of the linkage say where they are. The
-    outermost hole that is named first is the origin of the part's frame.
+    outermost hole that `holes` names first is the origin of the part's frame.
     """
 
     holes: dict[Name, BeamHoleEntry] = Field(min_length=2, description="interface = its hole")

@@ -89,7 +89,11 @@ class BodyEntry(Table):
         None,
         description="of the whole body, instead of its part's and those of pins `fixed_to` it",
     )
-    inertia: Inertia | None = Field(None, description="about the centre of mass")
+    inertia: Inertia | None = Field(
+        None,
+        description="about the centre of mass; where only a mass is stated the part's, of as much "
+        "mass",
+    )
     centre: Point2 | None = Field(None, description="centre of mass in the body's frame")
     guide: Guide | None = Field(None, description="the body slides in the frame")
     elastic: Elastic | None = Field(

@@ -19,6 +19,7 @@ from geometry.closed_form import closed_body
 from geometry.mesh import FloatArray, IntArray, MassProperties
 
 _LARGEST = 1e33  # N, N mm; squares and cubes of what is larger leave the range of numbers
+_MEASURED_FRICTION = 0.3  # coefficient up to which couples of a file count as a pin's friction
 _OWN_INERTIA = 0.05  # of a pin's largest force: less of weight and inertia does not bend it
 Runs = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 TIE = 1e-9  # values that are closer than this, of the largest, are equal
@@ -337,22 +338,37 @@ def _rubbing(part: Part, runs: Runs, wrenches: Mapping[str, FloatArray]) -> tupl
     """
     steady = swing = 0.0
     radii = {face.name: face.radius for face in part.geometry.placed_interfaces}
-    for run in runs.values():
-        linkage = run.linkage if isinstance(run, loads.CycleLoads) else None
-        for joint in linkage.joints if linkage and linkage.friction else ():
-            own = linkage.friction.get(joint.name) if linkage else None
-            if own is None or not isinstance(joint, loads.Revolute):
-                continue
-            for name, point in part.interfaces.items():
-                here = point == joint.point and part.body in (joint.body_a, joint.body_b)
-                if not here or not radii[name]:  # no clamp of leaves
-                    continue
-                couple, force = wrenches[name][:, 5], np.hypot(*wrenches[name][:, :2].T).max()
-                most, per = own.coefficient * own.radius * force, radii[name] * force
-                if most:
-                    steady = max(steady, min(np.abs(couple).max(), most) / per)
-                    swing = max(swing, min(np.ptp(np.append(couple, 0.0)) / 2, most) / per)
+    for name, arm in _friction_arms(part, runs).items():
+        couple, force = wrenches[name][:, 5], np.hypot(*wrenches[name][:, :2].T).max()
+        most, per = arm * force, radii[name] * force
+        if most:
+            steady = max(steady, min(np.abs(couple).max(), most) / per)
+            swing = max(swing, min(np.ptp(np.append(couple, 0.0)) / 2, most) / per)
     return float(steady), float(swing)
+
+
+def _friction_arms(part: Part, runs: Runs) -> dict[str, float]:
+    """The largest friction couple of a pin over its force, mm, by the part's bores and journals.
+
+    A file that has couples tells no coefficient.
+    """
+    arms = {face.name: 0.0 for face in part.geometry.placed_interfaces if face.radius}  # no clamps
+    radii = {face.name: face.radius for face in part.geometry.placed_interfaces}
+    for run in runs.values():
+        for name in arms:
+            if isinstance(run, loads.MeasuredLoads):
+                found = [_MEASURED_FRICTION * radii[name]] if part.body in run.bodies else []
+            else:
+                found = [
+                    own.coefficient * own.radius
+                    for joint in run.linkage.joints
+                    if isinstance(joint, loads.Revolute)
+                    and joint.point == part.interfaces[name]
+                    and part.body in (joint.body_a, joint.body_b)
+                    and (own := run.linkage.friction.get(joint.name)) is not None
+                ]
+            arms[name] = max(arms[name], *found, 0.0)
+    return arms
 
 
 def _of_own_inertia(design: Design, part: Part, runs: Runs, found: PartLoads) -> list[PartDoubt]:
@@ -365,9 +381,15 @@ def _of_own_inertia(design: Design, part: Part, runs: Runs, found: PartLoads) ->
         return []
     solid, pull = closed_body(part.geometry), float(np.hypot(*design.gravity))
     assert solid is not None, "a pin's volume is known by formula"
-    for cycle in runs.values():
-        if isinstance(cycle, loads.CycleLoads) and part.fixed_to != loads.GROUND:
-            moved = cycle.acceleration(part.fixed_to, str(part.joint)) - np.array(design.gravity)
+    holder, joint = part.fixed_to, str(part.joint)
+    for run in runs.values():
+        if isinstance(run, loads.MeasuredLoads):
+            moved = run.bodies[holder].pull_at(joint, run.gravity) if holder in run.bodies else None
+        elif holder == loads.GROUND:
+            moved = None
+        else:
+            moved = run.acceleration(holder, joint) - np.array(design.gravity)
+        if moved is not None:
             pull = max(pull, float(np.hypot(*moved.T).max()))
     mass = solid.mass_properties(part.material.density).mass
     share = design.load_factor * mass * pull / found.largest_force

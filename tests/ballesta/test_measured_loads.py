@@ -163,6 +163,22 @@ def test_a_clean_file_balances_to_round_off_and_is_told_as_a_gate(folder):
     assert run.times[-1] == pytest.approx(2 * np.pi / 60)
 
 
+def test_a_pins_own_inertia_counts_in_a_measured_run(folder):
+    """At the dead centre the slider has -r w2 (1 + r/l) = -274.9 m/s2, and the pin of the rod."""
+    long = PIN.replace('at = "14 mm", width = "8 mm"', 'at = "260 mm", width = "500 mm"')
+    design = read_design(written(folder, MACHINE + MEASURED + long, "long.toml"))
+    runs = measured_loads(design, {})
+    pull = runs["run"].bodies["rod"].pull_at("B", (0.0, 0.0))
+    assert_allclose(pull[0], (-60 * 60**2 * (1 + 60 / 220), 0), rtol=1e-9, atol=1e-3)
+
+    loads = loads_on(design, design.parts["pin_B"], runs)
+    mass = 7.85e-9 * np.pi * 6**2 * 1030
+    share = mass * np.hypot(pull[0][0], 9810) / loads.largest_force
+    (doubt,) = loads.doubts
+    assert doubt.words.startswith("weight and inertia of the pin itself")
+    assert doubt.ends[0].largest_force == pytest.approx((1 + share) * loads.largest_force)
+
+
 @pytest.mark.parametrize("mark", [";", "\t", ","])
 @pytest.mark.parametrize("start", ["", "\ufeff"])
 def test_semicolons_tabs_commas_and_byte_order_marks_are_read(folder, columns, mark, start):
@@ -427,6 +443,8 @@ def test_a_part_of_which_a_run_says_nothing_is_told(folder):
     )
     pin = pin.replace('fixed_to = "rod"', 'fixed_to = "ground"')
     design = read_design(written(folder, MACHINE + MEASURED + pin))
-    assert not_measured(design) == ["pin_O in run: motion.csv has no load on it"]
+    linkage, part = not_measured(design)
+    assert linkage.startswith("the linkage in run: its buckling, vibration, hits of pins")
+    assert part == "pin_O in run: motion.csv has no load on it"
     with pytest.raises(LinkageError, match="no load acts on it: run"):
         loads_on(design, design.parts["pin_O"], measured_loads(design, {}))

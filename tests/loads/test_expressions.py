@@ -131,7 +131,9 @@ def test_a_position_stands_where_a_formula_has_a_kink(switch):
     assert np.abs(run.positions - (2 * np.pi - begins)).min() < 1e-9
 
 
-@pytest.mark.parametrize("shape", ["exp", "lorentz", "parabola", "arcs", "logistic"])
+@pytest.mark.parametrize(
+    "shape", ["exp", "lorentz", "parabola", "arcs", "logistic", "atan", "acos"]
+)
 def test_a_position_stands_at_a_peak_narrower_than_a_step(shape):
     """1 kN within 1e-4 or 0.01 mm of the length of 170 mm, where a step is 0.3 mm wide."""
     square = op("**", op("/", op("-", Reading(LENGTH), 170.0), 1e-4), 2.0)
@@ -143,6 +145,8 @@ def test_a_position_stands_at_a_peak_narrower_than_a_step(shape):
         "exp": op("exp", op("*", -1.0, square)),
         "lorentz": op("/", 1.0, op("+", 1.0, square)),
         "parabola": op("max", 0.0, op("-", 1.0, square)),
+        "atan": op("-", 1.0, op("/", op("atan", square), np.pi / 2)),
+        "acos": op("/", op("acos", op("min", 1.0, op("sqrt", op("*", 1e-4, square)))), np.pi / 2),
     }[shape]
     run = slider_crank(loads.Expression("peak", op("*", -1000.0, peak)))
     assert run.efforts["gas"].min() == pytest.approx(-1000.0, rel=1e-3)

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,11 +11,12 @@ from ballesta.design.read import read_design
 from ballesta.machine.drive_speed import friction_gate, friction_pairs
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.machine.validity_checks import load_gates
-from ballesta.machine.warnings_of import design_warnings
+from ballesta.machine.warnings_of import design_warnings, load_warnings
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
 from checks.part.part_loads import PartDoubt, _rubbing, loads_on
 from checks.strength.load_doubts import load_bars
+from loads import MeasuredLoads
 
 from ...small_machine import PLATE, machine, solved
 
@@ -163,6 +165,21 @@ def test_pins_that_rub_are_a_doubt_of_the_stress_beside_them(tmp_path):
     assert not loads_on(smooth, rod, solved(smooth)).rubs[0]
 
 
+def test_couples_of_a_file_are_friction_of_the_pins_up_to_a_coefficient_of_0_3(tmp_path):
+    """M/(r F) in bores of 12 mm under 10 N: 0.6 N mm are 0.01; 30 N mm are more than friction.
+
+    Half of the range counts towards a swing, 0 in it.
+    """
+    rod = machine(tmp_path, PLATE).parts["rod"]
+    body = SimpleNamespace(angle=np.zeros(3), body=SimpleNamespace(name="rod"))
+    run = MeasuredLoads("run", np.arange(3.0), None, {"rod": body})
+    for couple, share in ((0.6, 0.01), (-6.0, 0.1), (30.0, 0.3)):
+        wrench = np.tile([6.0, 8.0, 0.0, 0.0, 0.0, couple], (3, 1))
+        steady, swing = _rubbing(rod, {"run": run}, dict.fromkeys(rod.interfaces, wrench))
+        assert steady == pytest.approx(share, rel=1e-12)
+        assert swing == pytest.approx(min(abs(couple) / 120, 0.3), rel=1e-12)
+
+
 def test_a_life_has_as_large_a_share_of_pins_that_rub_as_the_amplitude_that_it_multiplies(tmp_path):
     text = PLATE + '[friction.pins]\ncoefficient = 0.1\ndiameter = "10 mm"\n'
     found = []
@@ -173,3 +190,41 @@ def test_a_life_has_as_large_a_share_of_pins_that_rub_as_the_amplitude_that_it_m
         found.append((fatigue.value, more["pins that rub where they press"] / fatigue.value))
     assert found[1][0] > 1.2 * found[0][0]
     assert found[1][1] == pytest.approx(found[0][1], rel=1e-6)
+
+
+GUIDE = """
+name = "Slider with an arm"
+ground = ["G"]
+gravity = "0, 0 m/s2"
+points = { G = "0, 0 mm", S = "500, 0 mm", E = "500, ARM mm" }
+[bodies.slider]
+pins = ["S", "E"]
+mass = "0 kg"
+inertia = "0 kg m2"
+centre = "0, 0 mm"
+guide = { along = "1, 0" }
+[forces]
+cylinder = { between = ["G", "S"] }
+work = { body = "slider", at = "E", direction = "-1, 0" }
+[friction]
+guides = { coefficient = 0.2 }
+[cycles.stroke]
+coordinate = "S.x"
+start = "500 mm"
+pace = { coordinate = "S.x", speed = "0.1 m/s" }
+positions = 3
+phases = [{ name = "out", to = "700 mm", forces = { work = "1 kN" }, solve = "cylinder" }]
+"""
+
+
+@pytest.mark.parametrize(("arm", "told"), [("300", 1), ("1e-4", 0)])
+def test_a_couple_of_a_guide_that_rubs_is_warned_of(tmp_path, arm, told):
+    """1 kN on an arm of 300 mm: two bearings 100 mm apart press with 3 kN each, and none rubs."""
+    path = tmp_path / "slider.toml"
+    path.write_text(GUIDE.replace("ARM", arm), encoding="utf-8")
+    design = read_design(path)
+    cycles = solve_cycles(design, {})
+    assert cycles["stroke"].efforts["cylinder"] == pytest.approx(-1000.0)
+    warnings = [text for text in load_warnings(design, {}, cycles) if "guide:slider" in text]
+    assert len(warnings) == told
+    assert all("300 N m is left out" in text and "6e+03 N at 100 mm" in text for text in warnings)

@@ -190,6 +190,18 @@ def test_other_directions_open_by_their_component(tmp_path):
     assert found.value == pytest.approx((2e3 * 0.6 + 1e3 * 0.8) / 2)
 
 
+@pytest.mark.parametrize("couple", [0.0, 1e5])
+def test_a_couple_that_screws_bear_by_their_distances_is_told(tmp_path, couple):
+    """500 N on an arm of 200 mm; as a force alone the two screws have 250 N each."""
+    design = capped(tmp_path, opens='"0, 1"')
+    rows = {"first": [(0, 500, couple)], "second": [(0, -500, 0)]}
+    loaded = LoadedPart(design, design.parts["rod"], loads_of(rows))
+    assert next(bolts.checks(loaded)).value == pytest.approx(250)
+    told = [text for text in bolts.not_checked(loaded) if "NOT CHECKED" in text]
+    assert len(told) == bool(couple)
+    assert all("a couple of up to 100 N m at first" in text for text in told)
+
+
 @pytest.mark.parametrize(
     ("changes", "key", "words"),
     [

@@ -180,7 +180,7 @@ def test_a_round_tube_by_hand(tmp_path):
         n = found[place].safety
         first, second = n * stress / (AT_KNEE * category), n * shear / (SHEAR_CUT_OFF * 80.0)
         assert_allclose(first**3 + second**5, 1.0, rtol=1e-9)
-        assert found[place].place.startswith("weld at 40 mm, round 20 x 2.5 mm")
+        assert found[place].place.startswith("weld at 40 mm from first, round 20 x 2.5 mm")
         assert found[place].derivation.number("sigma") == found[place].value
 
 

@@ -109,7 +109,7 @@ def test_an_attachment_on_a_hollow_beam_by_hand(tmp_path):
     assert_allclose(toe.derivation.number("S"), 1.2e6 * 60 / 2_869_745, rtol=1e-6)
     assert_allclose(toe.derivation.number("T_r"), 6.380, atol=5e-4)
     assert_reached(toe, 1.2e6 * 60 / 2_869_745, toe.derivation.number("T_r"), 71.0)
-    assert toe.place == "weld at 500 mm, rectangular 120 x 60 x 5 mm"
+    assert toe.place == "weld at 500 mm from foot, rectangular 120 x 60 x 5 mm"
 
 
 def test_top_and_bottom_fibre_of_a_beam_are_judged(tmp_path):
@@ -185,7 +185,7 @@ def unit_throat(outline, height, width):
     section = Section("", 1.0, 1.0, 1.0, depth_in_plane=height, depth_out_of_plane=width)
     walls = Walls(outline, height, width, (0.0, 1.0), section)
     scope = {}
-    for item in weld._throat(Weld(0.5, walls, 36.0, "", 1.0, 1.35)):
+    for item in weld._throat(Weld(0.5, walls, 36.0, "", 1.0, 1.35, "")):
         scope[item.symbol] = weld.value_of(item, scope)
     return scope
 
