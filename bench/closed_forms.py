@@ -1,7 +1,5 @@
 """Closed forms that solids and formulas are compared with."""
 
-import numpy as np
-
 _FITTED = (0.15, 0.75)  # hole over width for which the lug factor was fitted
 
 
@@ -19,14 +17,6 @@ def lug_factor(hole: float, width: float) -> float | None:
     if not _FITTED[0] <= u <= _FITTED[1]:
         return None
     return 12.882 - 52.714 * u + 89.762 * u**2 - 51.667 * u**3
-
-
-def persson_pressure(half_arc: float, angle: float = 0.0) -> float:
-    """Pressure over F/(R t) at an angle from the force, rad, within the arc."""
-    b, y = np.tan(half_arc / 2), np.tan(angle / 2)
-    edge, c = np.sqrt(b * b + 1), np.sqrt(b * b - y * y)
-    even = 2 * c / (np.pi * edge * (1 + y * y))
-    return float(even + np.log((edge + c) / (edge - c)) / (2 * np.pi * b * b * edge**2))
 
 
 def engesser_force(euler: float, shear_stiffness: float) -> float:

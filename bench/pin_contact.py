@@ -21,12 +21,11 @@ from pathlib import Path
 import numpy as np
 from scipy.integrate import quad
 
-from bench.closed_forms import persson_pressure
 from bench.frd_file import read_frd
 from bench.pin_models import EYES, STEEL, Eye, Grid, deck
 from fem.contact.condensed import ALLOWED, CondensedContact
-from fem.contact.cycle import persson_half_arc
 from fem.contact.hats import Hats, disc_flexibility, sheet_flexibility
+from fem.contact.persson import persson_half_arc, persson_pressure
 from geometry.mesh import FloatArray
 from tests.validation.plane.model import Given, PlaneModel, PlaneSolution
 from tests.validation.plane.recovery import von_mises_plane

@@ -115,7 +115,7 @@ def edge_fatigue(
     )
     # on coarser meshes than these two the edge spoils more than what is left out
     beside = beside_edges(levels[-2:], [before, finest], loads, duty)
-    beside_bars = bars_of(use, part, beside, loaded.accuracy, loaded.uneven)
+    beside_bars = bars_of(use, part, beside, loaded.accuracy, loaded.uneven, loaded.loose)
     elsewhere = make(beside[-1], beside_bars)
     if not isfinite(elsewhere.numerical):
         why = f"away from where stress at the edge could be fitted: {beside_bars.note}"
@@ -175,7 +175,10 @@ def edge_static(
     ]
     if any(len(level.left_out) == len(level.history.nodes) for level in beside):
         return at_edge  # the whole surface is near the edges, and judged with them
-    elsewhere = make(beside[-1], bars_of(peak, part, beside, loaded.accuracy, loaded.uneven))
+    elsewhere = make(
+        beside[-1],
+        bars_of(peak, part, beside, loaded.accuracy, loaded.uneven, loaded.loose),
+    )
     if not isfinite(elsewhere.numerical):
         return NotJudged("the stress grows away from the edges, too", finer=True)
     return _worse(at_edge, elsewhere, "sharp edges spared")

@@ -310,7 +310,7 @@ def _judgement(
     loaded: LoadedPart, levels: Sequence[Level], what: Judged, doubts: LoadBars
 ) -> _Judgement:
     """Judge a stress on the last mesh."""
-    bars = bars_of(what, loaded.part, levels, loaded.accuracy, loaded.uneven)
+    bars = bars_of(what, loaded.part, levels, loaded.accuracy, loaded.uneven, loaded.loose)
     own = doubts(stress_check(loaded, levels[-1], what, bars))
     at_edges = _edges_judged(loaded, levels, what, bars)
     if isinstance(at_edges, Check):
@@ -390,7 +390,7 @@ def _edges_that_pass(
     def again(other: LoadedPart, kind: str) -> tuple[Check, Check]:
         check, what = finite[kind], by_kind[kind]
         now = bars[what]
-        tried = banded(now, what, other.part, level, other.uneven)
+        tried = banded(now, what, other.part, level, other.uneven, other.loose)
         others = max(0.0, check.model - now.above)  # the loads' bars, another criterion's
         steel = replace(check, model=others + tried.above_steel)
         return replace(check, model=others + tried.above), steel

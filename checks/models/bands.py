@@ -104,6 +104,9 @@ class Band:
                added
         """
         most = 0.0 if bores is None or bores.most <= value else bores.most
+        adds, beyond = 0.0, max(1.0, self.high)
+        if bores is not None and bores.loose[0] + bores.loose[1] / beyond > max(most, value):
+            most, adds = bores.loose
         arcs = bores is not None and bool(bores.by_arc)
         end = f"{{}} end of where 95 % of solids lie, over this value: {self.count} compared"
         reach = "reach of the solids' own model band {}, over the value"
@@ -116,6 +119,10 @@ class Band:
         total = f"(max(0, h_up - 1){q_up})*{symbol}"
         if most:
             total = f"(p_b/{symbol}*(max(1, h_up){q_up}) - 1)*{symbol}"
+        if adds:
+            said = "what a loose pin presses more than on the narrowest arc, in the measure of p_b"
+            above.append(Given("p_m", said, adds, "MPa", _ARCS))
+            total += " + p_m"
         above.append(Step("b_up", "model band above", total, unit, _PAGE))
         below: list[Item] = [Given("h_lo", end.format("lower"), self.low, "", _PAGE)]
         least = symbol

@@ -267,14 +267,14 @@ def _with_band(
         shared = bores.half * (1 + band.above[0]) - value
     error = (above - shared, below - band.shared_below * value)
     if bores is not None and bores.by_arc:
-        error = (above - max(bores.most - value, 0.0), below - (value - bores.least))
+        error = (above - max(bores.reached - value, 0.0), below - (value - bores.least))
     if bores is not None and bores.by_arc and max(bores.by_arc.values()) > bores.least:
         said = f"{said}; {by_arc_words(bores.by_arc)}"
     if bores is not None and bores.half > value:  # solved contact knows how a bent pin presses
         shared = max(bores.even, value) * (1 + band.above[0]) - value
-    if bores is not None and bores.half and bores.most > value:
+    if bores is not None and bores.half and bores.reached > value:
         counts = that_count(loaded.part, loaded.uneven, static=check.kind == STATIC)
-        said = f"{said}; model band: {raised_words(loaded.part, counts)}"
+        said = f"{said}; model band: {raised_words(loaded.part, counts, loaded.loose)}"
     told = _told(check, above, below, said)
     return Estimate(told, above - shared, below - band.shared_below * value, error=error)
 

@@ -51,6 +51,7 @@ class InBores:
     least   of the whole part, on the arc where it is least, not raised
     by_arc  arc, rad -> the value of the whole part, not raised; empty where the rung knows none
     evened  the largest with every bent pin, also those in no band; 0 where every one is in it
+    loose   the largest in a bore on the narrowest arc, raised, and what a loose pin adds to it
     """
 
     half: float = 0.0
@@ -59,6 +60,12 @@ class InBores:
     least: float = 0.0
     by_arc: Mapping[float, float] | None = None
     evened: float = 0.0
+    loose: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def reached(self) -> float:
+        """The largest of all; 0 where nothing moves the value."""
+        return max(self.most, sum(self.loose))
 
 
 def arcs_of(part: Part) -> list[float]:
@@ -198,10 +205,29 @@ def in_bores(arcs: Arcs, use: FatigueUse | None, value: float) -> InBores:
 
     half = on_half_circle(counts) if counts or not part.arc_stated else 0.0
     most = on_arcs(counts, beside, max([half, *others]))
+    loose = (_pressed_loosely(arcs, use, bore, counts, more) for bore in loaded.loose)
     evened = on_arcs(every, (), on_half_circle(every)) if len(counts) < len(every) else 0.0
     known = by_arc if len(by_arc) > 1 else None
     even = min(half, more * on_half) if counts else half
-    return InBores(half, even, most, min(by_arc.values()), known, evened)
+    least, loosest = min(by_arc.values()), max(loose, key=sum, default=(0.0, 0.0))
+    return InBores(half, even, most, least, known, evened, loosest)
+
+
+def _pressed_loosely(
+    arcs: Arcs, use: FatigueUse | None, bore: str, uneven: Mapping[str, Uneven], more: float
+) -> tuple[float, float]:
+    """The largest in a bore on its narrowest arc, raised, and what a loose pin adds at the most."""
+    level, places = arcs.level, np.array(arcs.level.model.places)
+    points = arcs.points[places[arcs.points] == bore]
+    if not len(points):
+        return 0.0, 0.0
+    bent = uneven[bore].most if bore in uneven else 1.0
+    adds = bent * arcs.loaded.loose[bore]
+    narrowest = [level.model, *arcs.models.values()][-1]
+    asked = _Asked(narrowest, points, uneven, more)
+    if use is None:
+        return _largest(level, use, [asked])[0], adds
+    return _any_two(level, use, [asked]), use.of_pressure(level, points, adds)
 
 
 def _on_half_circle(

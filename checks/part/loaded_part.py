@@ -4,7 +4,7 @@ import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import inf, radians, sqrt
+from math import inf, isfinite, radians, sqrt
 from typing import Protocol
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy as np
 from checks.design.data import COMPARED_ARC, Design, Duty, Part, StatedMass
 from checks.design.errors import DesignError
 from checks.design.model import Requirements
+from checks.handbook.fits import DEFAULT, clearances_of
 from checks.part.derived import (
     NO_BAND,
     Band,
@@ -26,6 +27,7 @@ from checks.part.part_loads import Doubt, PartLoads, Runs, first_largest, loads_
 from checks.part.pressed_along import Stack, Uneven, stack_in, uneven_bores
 from checks.result.derivation import Derivation, Item
 from checks.result.verdict import Check
+from fem.contact.persson import persson_half_arc, persson_pressure
 from geometry.cad_body import SolidBody, cad_body
 from geometry.closed_form import closed_body
 from geometry.mesh import FloatArray, Interface, Mesh
@@ -193,6 +195,12 @@ class LoadedPart:
         """
         return uneven_bores(self.design, self.part, self.loads, self.runs)
 
+    @cached_property
+    def loose(self) -> Mapping[str, float]:
+        """By bore, how much more a pin of the default fit may press than on assumed arcs, MPa."""
+        pins = {one.joint: one for one in self.design.parts.values() if one.joint is not None}
+        return pressed_loosely(self.part, self.loads, self.part.geometry.placed_interfaces, pins)
+
     def stack(self, bore: str, clearance: float = 0.0) -> Stack | None:
         """The stack of the pin in a bore, where one is known (`stack_in`)."""
         return stack_in(self.design, self.part, self.loads, self.runs, bore, clearance)
@@ -271,6 +279,10 @@ def check_reach(loaded: LoadedPart, interfaces: Mapping[str, Interface]) -> None
 
 _ARC, _WIDEST = radians(129), radians(120)
 
+# Largest pressure over F/(R t) of a cosine on 90 deg, and how much more than Persson's a loose pin
+# may have at a bore's ends.
+_ON_COMPARED, _LOOSE = 3 / (2 * sqrt(2)), 1.1
+
 
 def with_fits(
     part: Part, loads: PartLoads, interfaces: Sequence[Interface], pins: Mapping[str, Part]
@@ -295,7 +307,7 @@ def with_fits(
             continue
         pin = pins.get(part.interfaces[face.name])
         arc = _WIDEST
-        if p := _parameter(part, pin or part, face, loads):
+        if p := _parameter(part, pin or part, face, loads, part.clearances[face.name][1]):
             arc = min(_ARC / sqrt(p), _WIDEST)
         least = min(least, arc)
         arcs.append(max(arc, COMPARED_ARC))
@@ -303,9 +315,36 @@ def with_fits(
     return replace(part, bearing_arc=min(arcs), arc_stated=stated, least_arc=least)
 
 
-def _parameter(part: Part, pin: Part, face: Interface, loads: PartLoads) -> float:
-    """E* dR t/F under the largest force, in plane strain."""
-    clearance = part.clearances[face.name][1]
+def pressed_loosely(
+    part: Part, loads: PartLoads, interfaces: Sequence[Interface], pins: Mapping[str, Part]
+) -> dict[str, float]:
+    """By bore, how much more a loose pin may press than on the narrowest assumed arc, MPa.
+
+    Of bores whose arc and fit are not stated, with the largest clearance of the default fit, up to
+    the diameters of its table; without those in which the arc of that is no narrower. The
+    difference of both pressures moves no force; around a hole it makes as much hoop stress, both
+    of one sign. So von Mises stress, a norm, has at most that more (docs/theory/bearing.md).
+    """
+    found: dict[str, float] = {}
+    for face in interfaces:
+        if face.kind != "bore" or part.arc_stated or face.name in part.clearances:
+            continue
+        try:
+            clearance = clearances_of(DEFAULT, 2 * face.radius)[1]
+        except ValueError:
+            continue
+        pin = pins.get(part.interfaces[face.name])
+        p = _parameter(part, pin or part, face, loads, clearance)
+        if isfinite(p) and p:
+            mean = float(loads.resultant(face.name).max()) / face.radius / face.length
+            more = mean * (_LOOSE * persson_pressure(persson_half_arc(p)) - _ON_COMPARED)
+            if more > 0.0:
+                found[face.name] = more
+    return found
+
+
+def _parameter(part: Part, pin: Part, face: Interface, loads: PartLoads, clearance: float) -> float:
+    """E* dR t/F under the largest force, in plane strain; clearance on diameter, mm."""
     if not clearance:
         return 0.0
     materials = part.material, pin.material

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from checks.design.data import Design, Part
+from checks.handbook.fits import DEFAULT
 from checks.handbook.pin_diagrams import pin_diagram
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.part.part_loads import PartLoads, Runs, loads_on
@@ -348,8 +349,13 @@ def uneven_bores(design: Design, part: Part, loads: PartLoads, runs: Runs) -> Ma
     return found
 
 
-def raised_words(part: Part, uneven: Mapping[str, Uneven]) -> str:
-    """How much more bores may have than under even pressure on the assumed arcs, for a note."""
+def raised_words(
+    part: Part, uneven: Mapping[str, Uneven], loose: Mapping[str, float] | None = None
+) -> str:
+    """How much more bores may have than under even pressure on the assumed arcs, for a note.
+
+    loose  bore -> how much more a pin of the default fit may press, MPa
+    """
     told = (
         []
         if part.arc_stated
@@ -358,6 +364,10 @@ def raised_words(part: Part, uneven: Mapping[str, Uneven]) -> str:
     told += [
         f"{one.most:.3g} times as much at the {one.edge} of {name}, as the pin bends"
         for name, one in uneven.items()
+    ]
+    told += [
+        f"up to {more:.3g} MPa more pressure in {name} of a pin as loose as {DEFAULT} leaves it"
+        for name, more in (loose or {}).items()
     ]
     return ", ".join(told)
 

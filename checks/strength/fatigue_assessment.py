@@ -96,10 +96,15 @@ class FatigueUse(Judged):
     ) -> list[float]:
         """The quantity between the same two positions under other pressures."""
         under = under or direct_under
-        limits = level.limits[level.in_bores] if isinstance(under, RaisedInBores) else level.limits
+        some = under.points(level) if isinstance(under, RaisedInBores) else slice(None)
+        limits = level.limits[some]
         pair = [under(self.loads, level, k, numbers) for k in self.worst(level).pair]
         stress = np.stack(pair, axis=2)
         return self.of_states(level, np.moveaxis(stress, -1, 0), repeat(limits))
+
+    def of_pressure(self, level: Stressed, points: IntArray, pressure: float) -> float:
+        """Half of it, its amplitude, where the least of the points endures it."""
+        return pressure / 2 * self.limit / float(self.endured(level, points).min())
 
     def of_states(
         self, level: Stressed, stress: Iterable[FloatArray], limits: Iterable[FloatArray]

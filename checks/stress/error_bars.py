@@ -81,11 +81,13 @@ def bars_of(
     levels: Sequence[Level],
     accuracy: float,
     uneven: Mapping[str, Uneven] | None = None,
+    loose: Mapping[str, float] | None = None,
 ) -> Bars:
     """Numerical bar, model band and a note for a quantity known on several meshes.
 
     uneven  bore -> how much more its bent pin presses at the most, and where; it counts in bores
             whose contact is not solved
+    loose   bore -> how much more a loose pin may press than on the assumed arcs, MPa
     """
     finest = levels[-1]
     value = judged.value(finest)
@@ -139,7 +141,7 @@ def bars_of(
     if by_arc:
         notes.append(by_arc_words(by_arc))
     bars = Bars(bar, 0.0, 0.0, "; ".join(notes), values, sizes, by_arc, clearances=clearances)
-    return banded(bars, judged, part, finest, uneven)
+    return banded(bars, judged, part, finest, uneven, loose)
 
 
 def banded(
@@ -148,10 +150,11 @@ def banded(
     part: Part,
     level: Level,
     uneven: Mapping[str, Uneven] | None = None,
+    loose: Mapping[str, float] | None = None,
 ) -> Bars:
     """Return the bars with the model band of a part whose bores have edges as it states them.
 
-    level  the last one; uneven: as for `bars_of`
+    level  the last one; uneven, loose: as for `bars_of`
     """
     value, every = judged.value(level), uneven or {}
     by_arc, clearances = bars.by_arc, bars.clearances
@@ -162,7 +165,12 @@ def banded(
         more = 0.0 if part.arc_stated else BEYOND_ARCS
         if counts or not part.arc_stated:
             in_bores = max(judged.direct(level, arcs, RaisedInBores(more, counts)))
-            notes.append(f"model band: {raised_words(part, counts)}")
+            for bore, pressure in (loose or {}).items():
+                under = RaisedInBores(more, counts, bore)
+                adds = pressure * (counts[bore].most if bore in counts else 1.0)
+                adds = judged.of_pressure(level, under.points(level), adds)
+                in_bores = max(in_bores, judged.direct(level, arcs[-1:], under)[0] + adds)
+            notes.append(f"model band: {raised_words(part, counts, loose)}")
         if len(counts) < len(every):
             evened = max(value, *judged.direct(level, arcs, RaisedInBores(more, every)))
             notes.append(uncounted_words(part, every, evened, static=static))

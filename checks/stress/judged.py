@@ -47,6 +47,13 @@ class Judged(ABC):
         return level.judged_duty.limits[points]
 
     @abstractmethod
+    def of_pressure(self, level: Stressed, points: IntArray, pressure: float) -> float:
+        """The most that a pressure, MPa, which comes and goes adds to the quantity at some points.
+
+        With as much hoop stress as pressure, both of one sign.
+        """
+
+    @abstractmethod
     def anew(
         self,
         level: Stressed,
@@ -112,6 +119,10 @@ class StaticPeak(Judged):
     def bound(self, level: Stressed, points: IntArray) -> FloatArray:
         """Largest von Mises stress (n,) over all positions, MPa."""
         return level.history.peaks_by_point(points)
+
+    def of_pressure(self, level: Stressed, points: IntArray, pressure: float) -> float:
+        """The pressure itself, as von Mises stress is a norm."""
+        return pressure
 
     def anew(
         self,
@@ -180,16 +191,22 @@ class RaisedInBores:
 
     more    share by which arcs that are not stated may have more
     uneven  bore -> how much more its bent pin presses at the most, and where
+    alone   the only bore that is asked, where not all are
     """
 
     more: float
     uneven: Mapping[str, Uneven]
+    alone: str = ""
+
+    def points(self, level: Level) -> IntArray:
+        """Surface points (n,) that are asked."""
+        return level.in_bores_of(self.alone) if self.alone else level.in_bores
 
     def __call__(
         self, loads: PartLoads, level: Level, position: int, arcs: Sequence[float]
     ) -> FloatArray:
         """Stress (n, 6, n_arcs) in the bores, as `direct_under`, MPa."""
-        points, solutions = level.in_bores, level.solutions
+        points, solutions = self.points(level), level.solutions
         tilting = tilting_columns(solutions)
         staying = level.lasting_states[:, position].copy()
         staying[tilting] = level.coefficients[tilting, position]
@@ -200,7 +217,7 @@ class RaisedInBores:
 
     def _bent(self, level: Level) -> FloatArray:
         """Times (n,) the even pressure at the points in the bores."""
-        mesh, nodes = level.solutions.mesh, level.history.nodes[level.in_bores]
+        mesh, nodes = level.solutions.mesh, level.history.nodes[self.points(level)]
         found = np.ones(len(nodes))
         for unit in level.solutions.interfaces:
             one = self.uneven.get(unit.interface.name)

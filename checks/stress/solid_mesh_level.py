@@ -179,16 +179,17 @@ class Level(Stressed):
     @cached_property
     def in_bores(self) -> IntArray:
         """Surface points (n,) in the holes that pins press on as it is assumed."""
+        faces = [unit.interface for unit in self.solutions.interfaces]
+        bores = [face.name for face in faces if face.kind == "bore"]
+        return self.in_bores_of(*(name for name in bores if name not in self.solved_bores))
+
+    def in_bores_of(self, *bores: str) -> IntArray:
+        """Surface points (n,) in some holes."""
         surfaces = self.solutions.mesh.surfaces
-        names = [
-            name
-            for unit in self.solutions.interfaces
-            if unit.interface.kind == "bore" and unit.interface.name not in self.solved_bores
-            for name in unit.interface.surfaces
-        ]
         pressed = np.zeros(len(self.history.nodes), dtype=bool)
-        for name in names:
-            pressed |= np.isin(self.history.nodes, surfaces[name])
+        for unit in self.solutions.interfaces:
+            for name in unit.interface.surfaces if unit.interface.name in bores else ():
+                pressed |= np.isin(self.history.nodes, surfaces[name])
         return np.flatnonzero(pressed)
 
     @property

@@ -4,12 +4,6 @@ The pressure assumed in a bore is taken off the coefficients; what is left says 
 without it. The contact of all bores together is solved at each position, started from what touched
 at the one before, turned with the force, or from Persson's arc about it. fem/contact/superposed.py
 makes stress of it.
-
-That arc, and the pressure of a pin in the hole of an infinite plate, are a closed form.
-Frictionless, both of one material: Persson, thesis, Gothenburg 1964; Ciavarella and Decuzzi, Int.
-J. Solids Struct. 38 (2001) 4507. The parameter is E* dR t/F, with dR half the clearance, 1/E* the
-sum of 1/E of both bodies (plane strain: of (1 - nu^2)/E), t the thickness and F the force. In small
-arcs it is Hertz's contact.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,12 +18,8 @@ from fem.contact.bore import BoreHarmonics
 from fem.contact.condensed import CondensedContact, ContactError, ContactState, largest_misses
 from fem.contact.cylinder_waves import Lining
 from fem.contact.hats import Hats, disc_flexibility, lining_flexibility
+from fem.contact.persson import persson_half_arc
 from geometry.mesh import BoolArray, FloatArray, IntArray
-from geometry.roots import root
-
-_NARROWEST = 1e-3  # rad
-_MIDPOINTS = 32
-_EXACT = 1e-12  # of the arc
 
 _SMALL = 1e-9  # of the largest force: a bore that carries less carries nothing
 _HATS_IN_ARC = 24  # of Persson's arc at the largest force, at least
@@ -302,31 +292,3 @@ class PartContact:
             names = ", ".join(self._bores[i].name for i in pressed)
             count = self._others.shape[1]
             raise ContactError(f"{names}, position {position + 1} of {count}: {error}") from error
-
-
-def persson_parameter(half_arc: float) -> float:
-    """E* dR t / F at which a pin of the plate's material touches +-half_arc (rad).
-
-    Half of their E dR/F: E* = E/2 here.
-    """
-    b = np.tan(half_arc / 2)
-    edge = np.sqrt(b * b + 1)
-    # t = b sin u, which removes the root at the ends; its period is pi then, so that the error of
-    # n midpoints falls as exp(-2 asinh(1/b) n)
-    u = np.pi * (np.arange(_MIDPOINTS) + 0.5) / _MIDPOINTS
-    c = b * np.cos(u)
-    inner = np.log((edge + c) / (edge - c)) / (1 + (b * np.sin(u)) ** 2) * c
-    integral = np.pi * inner.mean()
-    whole = 2 * (1 - b * b) / (np.pi * b * b) - integral / (np.pi * b * edge) ** 2
-    return float(whole / 2)
-
-
-def persson_half_arc(parameter: float) -> float:
-    """Half the arc of contact, rad; 1e-3 rad of what would be less, a right angle at most.
-
-    >>> round(float(np.degrees(persson_half_arc(0.0))), 1), round(persson_half_arc(100.0), 3)
-    (84.8, 0.112)
-    """
-    if parameter >= persson_parameter(_NARROWEST):
-        return _NARROWEST
-    return root(lambda half: persson_parameter(half) - parameter, _NARROWEST, np.pi / 2, _EXACT)

@@ -15,7 +15,6 @@ from numpy.testing import assert_allclose
 from ballesta.design.read import read_design
 from ballesta.machine.solved_cycles import part_masses, solve_cycles
 from ballesta.pipeline import check_file
-from bench.closed_forms import persson_pressure
 from checks.ladder.part_ladder import Effort
 from checks.ladder.solid import check_solid
 from checks.part.loaded_part import LoadedPart
@@ -24,7 +23,7 @@ from checks.result.verdict import Status
 from checks.strength.part_strength import elastic_of, endurance_of
 from checks.stress import kept_models
 from checks.stress.solid_mesh_level import Models, solve_level
-from fem.contact.cycle import persson_half_arc
+from fem.contact.persson import persson_half_arc, persson_pressure
 from geometry.sizing import SizeField
 
 SOLID = Effort("solid")

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from bench.closed_forms import persson_pressure
 from fem.contact.condensed import ALLOWED, CondensedContact, ContactError
-from fem.contact.cycle import persson_half_arc
 from fem.contact.hats import Hats, disc_flexibility, sheet_flexibility
+from fem.contact.persson import persson_half_arc, persson_pressure
 from tests.validation.plane.domains import geometric, mapped
 from tests.validation.plane.model import PlaneModel
 

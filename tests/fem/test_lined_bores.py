@@ -7,10 +7,10 @@ from scipy.optimize import brentq
 
 from fem.contact.beds import Lug, RoundBar
 from fem.contact.condensed import CondensedContact
-from fem.contact.cycle import persson_half_arc
 from fem.contact.cylinder_waves import Lining, bore_waves, lined_bore_waves
 from fem.contact.hats import Hats, disc_flexibility, lining_flexibility, sheet_flexibility
 from fem.contact.line_load import line_load
+from fem.contact.persson import persson_half_arc
 from tests.line_loads import unevenness
 
 STEEL, BRONZE = (210e3, 0.3), (90e3, 0.34)

@@ -3,11 +3,11 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 
-from bench.closed_forms import lug_factor, persson_pressure
+from bench.closed_forms import lug_factor
 from bench.pin_contact import compare, condensed, contact, cosine
 from bench.pin_models import EYES, Eye, Grid, box
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
-from fem.contact.cycle import persson_half_arc
+from fem.contact.persson import persson_half_arc, persson_pressure
 from tests.fem.calculix import needs_calculix
 
 
