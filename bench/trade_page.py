@@ -419,10 +419,6 @@ def told_contacts() -> list[str]:
         f"other {len(finer)}. What no mesh takes away of a loose pin stays in its bar: "
         f"{sum(_exact(truth) for truth in truths)} of {len(truths)} checks have 2 %.",
         "",
-        "Above the bars of assumed arcs, where the pin is loose: under a light force it presses",
-        "on less than the 90 deg that they reach to. State `fits` of small pins, for contact to be",
-        "solved.",
-        "",
         *_missed(rows),
         "",
         f"Without contact, as a pin there never presses or edges are sharp: {', '.join(floats)}.",
@@ -436,7 +432,10 @@ def _exact(truth: Mapping[str, Any]) -> bool:
 
 
 def _missed(rows: Iterable[Mapping[str, Any]]) -> list[str]:
-    """Checks whose finest contact lies above the bars of a formula or of assumed arcs, as lines."""
+    """Checks whose finest contact lies above the bars of a formula or of assumed arcs, as lines.
+
+    A pin as loose as H7/f7 leaves it is in both.
+    """
     found = []
     for row in rows:
         for kind, truth in row["checks"]["truth"].items():
@@ -448,7 +447,9 @@ def _missed(rows: Iterable[Mapping[str, Any]]) -> list[str]:
                     f"{truth['utilisation']:.2f} of its limit, upper ends "
                     f"{by_formula} and {by_arcs} MPa"
                 )
-    return found
+    if not found:
+        return ["All values lie below the upper ends of the bars of formulas and of assumed arcs."]
+    return ["Above the bars of a formula or of assumed arcs:", "", *found]
 
 
 _MODELS = {

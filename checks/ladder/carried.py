@@ -73,6 +73,7 @@ class Neighbour:
     places    kind of check -> where its stress is large
     bands     kind of check -> model band above and below, over the value
     bent      kind of check -> bores whose bent pin is in that band
+    loose     kind of check -> what loose pins add to that band, over the value
     """
 
     shape: Buildable
@@ -81,6 +82,7 @@ class Neighbour:
     places: Mapping[str, Sequence[Place]]
     bands: Mapping[str, tuple[float, float]]
     bent: Mapping[str, frozenset[str]]
+    loose: Mapping[str, float]
 
     @cached_property
     def carrier(self) -> Carrier:
@@ -113,13 +115,24 @@ def neighbour_of(loaded: LoadedPart, models: Models) -> Neighbour | str:
         if all(WIDER * known[0].error <= loaded.accuracy for known in places.values()):
             mesh = level.solutions.mesh
             bent = {kind: _bent(loaded, kind) for kind in judged}
-            return Neighbour(_meshed(loaded), mesh, level.fineness, places, bands, bent)
+            loose = {kind: _loosely(loaded, what, finest) for kind, what in judged.items()}
+            return Neighbour(_meshed(loaded), mesh, level.fineness, places, bands, bent, loose)
     return "its error bars are wider than was asked for"
 
 
 def _bent(loaded: LoadedPart, kind: str) -> frozenset[str]:
     """Bores whose bent pin is in the band of a kind of check."""
     return frozenset(that_count(loaded.part, loaded.uneven, static=kind == "static"))
+
+
+def _loosely(loaded: LoadedPart, what: Judged, level: Level) -> float:
+    """What loose pins add to the band of a stress at the most, over the value."""
+    value = what.value(level)
+    adds = [
+        what.of_pressure(level, level.in_bores_of(bore), pressure)
+        for bore, pressure in loaded.loose.items()
+    ]
+    return max(adds, default=0.0) / value if value else 0.0
 
 
 def judged_of(loaded: LoadedPart) -> dict[str, Judged]:
@@ -200,6 +213,7 @@ def carried_result(
         above, below = (
             value * (one + _BAND * sum(neighbour.bands[kind])) for one in neighbour.bands[kind]
         )
+        above += value * max(0.0, _loosely(loaded, what, level) - neighbour.loose[kind])
         said = "error bars by a neighbour of nearly the same dimensions"
         if off > loaded.accuracy:
             more = f"numerical error {100 * off:.2g} %, asked for"
