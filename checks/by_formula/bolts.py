@@ -7,8 +7,9 @@ largest one must leave the screws below yield, and ranges of C P are judged by E
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from math import inf
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from checks.part.loaded_part import LoadedPart
 from checks.result.derivation import Derivation, Given, Item, Section, Step, value_of
 from checks.result.formulas import Value
 from checks.result.verdict import Check
+from checks.result.words import UNKNOWN_BAR
 from checks.strength.ranges_over_duty import (
     CURVE,
     MINER_SOURCE,
@@ -70,6 +72,7 @@ OVER_CYCLES = True  # ranges, which no position shows by itself
 
 _THEORY = "docs/theory/bolts.md"
 _ARM = 1e-3  # mm, of the part's largest force: a smaller couple is none
+_OF_FRICTION = 0.1  # of a pin's force times its diameter: couple of its friction at the most
 _CATEGORY = 50.0  # MPa, table 8.1, detail 14: threads rolled or cut, in tension
 _DETAIL = f"{STANDARD}, table 8.1, detail 14"
 _BAND = Band(words="a formula has no mesh; scatter of the preload is in the limits")
@@ -81,12 +84,32 @@ def checks(loaded: LoadedPart) -> Iterator[Check]:
     """Opening, yield and fatigue of all screws that the part states."""
     for index, stated in enumerate(loaded.part.bolts):
         joint = _Joint(loaded, stated, f"parts.{loaded.name}.bolts[{index}]")
-        yield joint.opening()
-        yield joint.yielding()
+        found = [joint.opening(), joint.yielding()]
         if any(name in loaded.loads.cycles for name in loaded.duty.cycles):
             fatigue = joint.fatigue()
             if fatigue is not None:
-                yield fatigue
+                found.append(fatigue)
+        yield from (_open_by_couple(loaded, stated, check) for check in found)
+
+
+def _couple(loaded: LoadedPart, at: str) -> float:
+    """The largest couple at an interface, N mm."""
+    return float(np.abs(loaded.loads.wrenches[at][:, 3:]).max())
+
+
+def _open_by_couple(loaded: LoadedPart, stated: BoltsEntry, check: Check) -> Check:
+    """The check without an end of its bar where screws bear a couple of which nothing is stated.
+
+    Friction of a pin in a bore's cap turns by less than a tenth of force times diameter.
+    """
+    (face,) = (f for f in loaded.part.geometry.placed_interfaces if f.name == stated.at)
+    force = float(loaded.loads.resultant(stated.at).max())
+    couple, friction = _couple(loaded, stated.at), _OF_FRICTION * 2 * face.radius * force
+    if stated.prying > 1.0 or couple <= max(friction, _ARM * loaded.loads.largest_force):
+        return check
+    why = f"a couple of up to {couple * 1e-3:.3g} N m goes through them, and no prying is stated"
+    note = "; ".join(text for text in (check.note, f"{UNKNOWN_BAR}{why}") if text)
+    return replace(check, model=inf, note=note).explained_by(check.derivation)
 
 
 def not_checked(loaded: LoadedPart) -> Iterator[str]:
@@ -98,7 +121,7 @@ def not_checked(loaded: LoadedPart) -> Iterator[str]:
             "heads, inertia of the cap, heat and loosening left out"
         )
     for stated in loaded.part.bolts:
-        couple = float(np.abs(loaded.loads.wrenches[stated.at][:, 3:]).max())
+        couple = _couple(loaded, stated.at)
         if couple > _ARM * loaded.loads.largest_force:
             yield (
                 f"NOT CHECKED: a couple of up to {couple * 1e-3:.3g} N m at {stated.at}, which its "

@@ -45,6 +45,7 @@ from geometry.parts.toggle_bar import ToggleBar
 
 from ..small_machine import PLATE, machine
 
+ARC = 'bearing_arc = "90 deg"\n'
 FITS = 'fits = { first = "0 .. 0.02 mm", second = "0 .. 0.02 mm" }\n'
 STACK = """
 [parts.pin]
@@ -177,7 +178,7 @@ def test_a_static_band_jumps_at_the_load_that_the_pin_no_longer_holds_evenly(tmp
 
 def test_a_part_with_reserve_is_judged_again_where_a_variation_bends_its_pin_more(tmp_path):
     """Of aluminium 2.9 times as much. The other change leaves the rod's pin and loads alone."""
-    known = Screening(rod(tmp_path, fits="").design)
+    known = Screening(rod(tmp_path, fits=ARC).design)
 
     def judged(change, **reserves):
         checks = known.of([change], ["rod"], reserves=reserves).checks
@@ -627,7 +628,7 @@ def test_thin_cheeks_tilt_as_plates_bend():
 
 def test_the_fewest_edges_come_first_and_bushes_last(tmp_path):
     """Two bores bend: both together pass, one alone only with bushes of steel as well."""
-    loaded = rod(tmp_path, fits="")
+    loaded = rod(tmp_path, fits=ARC)
     one = loaded.uneven["first"]
     loaded.__dict__["uneven"] = {"first": one, "second": one}  # as two pins had it
     level = rung_level(loaded, shapes.model_of(loaded.part, loaded.loads))

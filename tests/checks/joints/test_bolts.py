@@ -1,5 +1,6 @@
 """Screws of a cap: opening, yield and fatigue against a textbook and hand; refusals in words."""
 
+from dataclasses import replace
 from math import pi, sqrt
 
 import numpy as np
@@ -11,6 +12,7 @@ from checks.by_formula import bolts
 from checks.design.effort import Effort
 from checks.design.errors import DesignError
 from checks.part.loaded_part import LoadedPart
+from checks.result.verdict import Status
 
 from ...small_machine import PLATE, loads_of, machine
 
@@ -196,7 +198,13 @@ def test_a_couple_that_screws_bear_by_their_distances_is_told(tmp_path, couple):
     design = capped(tmp_path, opens='"0, 1"')
     rows = {"first": [(0, 500, couple)], "second": [(0, -500, 0)]}
     loaded = LoadedPart(design, design.parts["rod"], loads_of(rows))
-    assert next(bolts.checks(loaded)).value == pytest.approx(250)
+    (opening, *_), without = bolts.checks(loaded), Status.UNDECIDED if couple else Status.PASS
+    assert opening.value == pytest.approx(250)
+    assert opening.status is without
+    assert ("no prying is stated" in opening.note) == bool(couple)
+    stated = [entry.model_copy(update={"prying": 3.0}) for entry in loaded.part.bolts]
+    pried = replace(loaded, part=replace(loaded.part, bolts=tuple(stated)))
+    assert next(bolts.checks(pried)).status is Status.PASS
     told = [text for text in bolts.not_checked(loaded) if "NOT CHECKED" in text]
     assert len(told) == bool(couple)
     assert all("a couple of up to 100 N m at first" in text for text in told)
