@@ -207,12 +207,12 @@ def _missing(cycle: loads.CycleLoads, drive: str, power: FloatArray) -> float:
 class LoadPair:
     """A doubt about the loads, by the cycles at its two ends.
 
-    gate  name of the validity check that the pair takes the place of; empty for none
+    gates  names of the validity checks that the pair takes the place of
     """
 
     words: str
     ends: tuple[Solved, Solved]
-    gate: str = ""
+    gates: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -387,12 +387,13 @@ def friction_gate(cycle: str) -> str:
 
 
 def friction_pairs(design: Design, solved: Solved) -> tuple[list[LoadPair], list[Gate]]:
-    """The loads of every cycle with friction a third lower and a third higher than stated.
+    """The loads of all cycles with friction a third lower and a third higher than stated.
 
-    All coefficients go the same way. Where no loads balance the higher ones (self-locking), no bar
-    tells anything: a validity check that does not hold stands for that cycle.
+    All coefficients go the same way, in all cycles. Where no loads balance the higher ones
+    (self-locking), no bar tells anything: a validity check that does not hold stands for that
+    cycle.
     """
-    pairs, gates = [], []
+    lower, higher, gates = dict[str, loads.CycleLoads](), dict[str, loads.CycleLoads](), []
     for name, cycle in solved.items():
         if not any(one.coefficient for one in cycle.linkage.friction.values()):
             continue
@@ -405,10 +406,12 @@ def friction_pairs(design: Design, solved: Solved) -> tuple[list[LoadPair], list
         except loads.LinkageError as error:
             gates.append(_unbalanced(name, str(error)))
             continue
-        words = f"{name}: coefficients of friction a third lower or higher"
-        ends = ({**solved, name: low}, {**solved, name: high})
-        pairs.append(LoadPair(words, ends, friction_gate(name)))
-    return pairs, gates
+        lower[name], higher[name] = low, high
+    if not lower:
+        return [], gates
+    words = f"{', '.join(lower)}: coefficients of friction a third lower or higher"
+    ends = ({**solved, **lower}, {**solved, **higher})
+    return [LoadPair(words, ends, tuple(map(friction_gate, lower)))], gates
 
 
 def _with_friction(linkage: loads.Linkage, factor: float) -> loads.Linkage:

@@ -313,7 +313,7 @@ def doubts_of(design: Design, machine: MachineRuns) -> MachineDoubts:
         doubts.append(Doubt(words, tuple(runs(machine.rigid, one) for one in SWING_ENDS)))
     return MachineDoubts(
         evenness,
-        {pair.gate for pair in pairs if pair.gate},
+        {gate for pair in pairs for gate in pair.gates},
         [*speed_gates(evenness), *unsolved, *beyond, *swing_gates([end.blows for end in ends])],
         doubts,
         [*speed_assumptions(evenness), *without_fit],
@@ -366,7 +366,8 @@ def stop_doubts(design: Design, solved: Solved) -> tuple[list[LoadPair], list[Ga
             size = float(np.degrees(stop.tolerance)) if unit == "deg" else stop.tolerance
             low, high = ({**solved, **end} for end in ends)
             words = f"{first}: {END_OF_TRAVEL} {size:.3g} {unit}"
-            pairs.append(LoadPair(words, (low, high), dead_centre_gate(first) if near else ""))
+            covered = (dead_centre_gate(first),) if near else ()
+            pairs.append(LoadPair(words, (low, high), covered))
         elif not near:
             said = "it reaches a dead centre, where the linkage cannot go, or a force is not given"
             gates.append(_unknown_end(first, said, "or end the travel before"))

@@ -73,7 +73,7 @@ def test_the_press_force_falls_with_friction_in_the_sense_of_its_work(rubbing):
 def test_the_share_of_friction_does_not_bind_where_the_pair_is_in_the_bars():
     design, solved = press(pins(0.3, "80 mm"))
     pairs, _ = friction_pairs(design, solved)
-    covered = {pair.gate for pair in pairs}
+    covered = {gate for pair in pairs for gate in pair.gates}
     name = friction_gate("press")
     alone, beside = (
         next(gate for gate in load_gates(design, solved, names) if gate.name == name)
@@ -83,6 +83,21 @@ def test_the_share_of_friction_does_not_bind_where_the_pair_is_in_the_bars():
     assert alone.binding
     assert not beside.binding
     assert "a third lower and higher are in the error bars" in beside.told
+
+
+def test_cycles_of_one_machine_have_their_friction_together(tmp_path):
+    """The same cycle written twice has the bars of one; apart, one doubt more was added each."""
+    text = PLATE + '[friction.pins]\ncoefficient = 0.1\ndiameter = "10 mm"\n'
+    again = '[cycles.again]\nlike = "turn"\n'
+    counts = "duty.cycles = { turn = 5e5, again = 5e5 }"
+    found = []
+    for more, overrides in (("", ()), (again, (counts,))):
+        design = machine(tmp_path, text + more, *overrides)
+        (pair,), gates = friction_pairs(design, solved(design))
+        assert not gates
+        assert len(pair.gates) == len(design.cycles)
+        found.append([c.upper for c in check_design(design, effort=Effort("formula")).checks])
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-9)
 
 
 def test_without_friction_there_is_no_pair():

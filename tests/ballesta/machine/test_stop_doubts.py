@@ -94,7 +94,7 @@ def mechanical(tolerance, *given):
 def test_a_mechanical_stop_far_from_it_moves_all_cycles_that_end_there():
     design, solved = mechanical("1 mm")
     ((doubt,), gates) = stop_doubts(design, solved)
-    assert (doubt.words, doubt.gate) == ("press: end of its travel off by up to 1 mm", "")
+    assert (doubt.words, doubt.gates) == ("press: end of its travel off by up to 1 mm", ())
     assert gates == []
     for name in ("press", "capacity"):
         ends = [largest(end[name]) / largest(solved[name]) for end in doubt.ends]
