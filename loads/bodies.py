@@ -329,13 +329,19 @@ class Force:
 
 @dataclass(frozen=True)
 class Friction:
-    """Coulomb friction of a joint: coefficient, and for a pin its radius [mm]."""
+    """Coulomb friction of a joint: coefficient, for a pin its radius, for a guide its length [mm].
+
+    A guide of a length has two bearings in that distance, half of it on either side of its point,
+    which bear its couple; of length 0 its couple rubs nowhere.
+    """
 
     coefficient: float
     radius: float = 0.0
+    length: float = 0.0
 
     def __post_init__(self) -> None:
-        for quantity, value in (("coefficient", self.coefficient), ("radius", self.radius)):
+        numbers = {"coefficient": self.coefficient, "radius": self.radius, "length": self.length}
+        for quantity, value in numbers.items():
             if not (isfinite(value) and value >= 0.0):
                 raise LinkageError(f"friction: {quantity} must be 0 or above, got {value:g}")
 

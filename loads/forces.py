@@ -89,12 +89,22 @@ def one_after_another(solutions: Sequence[ForceSolution]) -> ForceSolution:
 
 @dataclass(frozen=True, eq=False)
 class _Sliding:
-    """Friction of one joint: |reaction in rows| times a factor, along ``pull`` (n, unknowns)."""
+    """Friction at one place of a joint: |combined reaction| times a factor, along ``pull``.
+
+    combined  (m, k)         what of the reaction in the k rows presses there, m ways
+    pull      (n, unknowns)
+    factor    (n,)           signed: what to multiply the size by to get couple or force
+    """
 
     joint: str
     rows: slice
+    combined: FloatArray
     pull: FloatArray
-    factor: FloatArray  # (n,), signed: what to multiply |reaction| by to get couple or force
+    factor: FloatArray
+
+    def pressed(self, vector: FloatArray) -> FloatArray:
+        """Return what presses (n, m) for unknowns (n, unknowns)."""
+        return np.asarray(vector[:, self.rows] @ self.combined.T)
 
 
 def solve_forces(
@@ -174,11 +184,11 @@ def _unpacked(
     unknown = vector[:, :-1] * kinematics.size / kinematics.row_scale
     scale = kinematics.coordinate_scale(kinematics.linkage.force(solve).coordinate)
     efforts = efforts | {solve: vector[:, -1] * kinematics.size / scale}
-    sliding = {
-        friction.joint: friction.factor * np.linalg.norm(vector[:, friction.rows], axis=1)
-        for friction in frictions
-    }
     zero = np.zeros(len(vector))
+    sliding: dict[str, FloatArray] = {}
+    for friction in frictions:
+        own = friction.factor * np.linalg.norm(friction.pressed(vector), axis=1)
+        sliding[friction.joint] = sliding.get(friction.joint, zero) + own
     joints: dict[str, JointLoad] = {}
     for joint in kinematics.linkage.joints:
         part = unknown[:, kinematics.rows[joint.name]]
@@ -246,8 +256,14 @@ def _frictions(motion: Motion) -> list[_Sliding]:
         if friction is None or not friction.coefficient:
             continue
         rows = kinematics.rows[joint.name]
+        combined = [np.eye(2)]
         if isinstance(joint, Prismatic | Slot):
-            rows = slice(rows.start, rows.start + 1)
+            combined = [np.eye(1)]
+            if isinstance(joint, Prismatic) and friction.length:  # two bearings, N/2 +- M/L
+                scale = kinematics.row_scale[rows]
+                arm = float(scale[0] / scale[1] / friction.length)
+                combined = [np.array([[0.5, sign * arm]]) for sign in (1.0, -1.0)]
+            rows = slice(rows.start, rows.start + combined[0].shape[1])
             rate = kinematics.sliding(motion.poses, motion.heading, joint) / kinematics.size
             gradient = kinematics.sliding_gradient(motion.poses, joint)
             factor = friction.coefficient
@@ -259,7 +275,7 @@ def _frictions(motion: Motion) -> list[_Sliding]:
             factor = friction.coefficient * friction.radius
         sign = np.where(np.abs(rate) > _AT_REST * typical, np.sign(rate), 0.0)
         pull = gradient[:, 3:] * kinematics.pose_scale / kinematics.size
-        result.append(_Sliding(joint.name, rows, pull, -factor * sign))
+        result += [_Sliding(joint.name, rows, one, pull, -factor * sign) for one in combined]
     return result
 
 
@@ -302,11 +318,11 @@ def _linearised(
     """Return the matrix with the slope of friction added, and the friction itself."""
     slope, load = matrix.copy(), np.zeros_like(vector)
     for friction in frictions:
-        part = vector[:, friction.rows]
+        part = friction.pressed(vector)
         size = np.linalg.norm(part, axis=1)
         pull = share * friction.factor[:, None] * friction.pull
         load += pull * size[:, None]
-        along = part / np.where(size > 0.0, size, 1.0)[:, None]
+        along = (part / np.where(size > 0.0, size, 1.0)[:, None]) @ friction.combined
         slope[:, :, friction.rows] += pull[:, :, None] * along[:, None, :]
     return slope, load
 
@@ -314,13 +330,11 @@ def _linearised(
 def _locking(motion: Motion, vector: FloatArray, frictions: list[_Sliding], k: int) -> LinkageError:
     """Return the error of self-locking, naming the joint whose friction takes the most power."""
     rates = motion.heading.reshape(len(vector), -1)[k, 3:] / motion.kinematics.pose_scale
-    power = {
-        friction.joint: abs(
-            float(friction.factor[k] * (friction.pull[k] @ rates))
-            * float(np.linalg.norm(vector[k, friction.rows]))
-        )
-        for friction in frictions
-    }
+    power: dict[str, float] = {}
+    for friction in frictions:
+        pressed = float(np.linalg.norm(friction.pressed(vector[[k]])))
+        own = abs(float(friction.factor[k] * (friction.pull[k] @ rates))) * pressed
+        power[friction.joint] = power.get(friction.joint, 0.0) + own
     joint = max(power, key=lambda name: power[name])
     coefficient = motion.kinematics.linkage.friction[joint].coefficient
     return LinkageError(

@@ -395,9 +395,11 @@ def friction_of(
     for name, kind in names.items():
         if kind == "pin" and entry.pins is not None:
             friction[name] = loads.Friction(entry.pins.coefficient, entry.pins.diameter / 2)
-        sliding = {"slot": entry.slots, "guide": entry.guides}.get(kind)
-        if sliding is not None:
-            friction[name] = loads.Friction(sliding.coefficient)
+        if kind == "slot" and entry.slots is not None:
+            friction[name] = loads.Friction(entry.slots.coefficient)
+        if kind == "guide" and entry.guides is not None:
+            length = entry.guides.length or 0.0
+            friction[name] = loads.Friction(entry.guides.coefficient, length=length)
     for kind, stated in (("slot", entry.slots), ("guide", entry.guides)):
         if stated is not None and kind not in names.values():
             others = [f"{name} is a {found}" for name, found in names.items() if found != "pin"]
@@ -407,14 +409,15 @@ def friction_of(
         here = f"{key}.joints.{name}"
         if name not in names:
             problems.add(here, no_such("joint", name, names))
-        elif names[name] == "pin" and own.diameter is None:
+            continue
+        if names[name] == "pin" and own.diameter is None:
             problems.add(f"{here}.diameter", f"must be stated: {name} is a pin joint")
-        elif names[name] != "pin" and own.diameter is not None:
-            problems.add(
-                f"{here}.diameter", f"is not used, {name} is a {names[name]}; leave it out"
-            )
-        else:
-            friction[name] = loads.Friction(own.coefficient, (own.diameter or 0.0) / 2)
+        for field, kind in (("diameter", "pin"), ("length", "guide")):
+            if names[name] != kind and getattr(own, field) is not None:
+                told = f"is not used, {name} is a {names[name]}; leave it out"
+                problems.add(f"{here}.{field}", told)
+        radius, length = (own.diameter or 0.0) / 2, own.length or 0.0
+        friction[name] = loads.Friction(own.coefficient, radius, length)
     return {
         joint.name: stated for name, stated in friction.items() for joint in joints.get(name, ())
     }

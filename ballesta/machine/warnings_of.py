@@ -265,17 +265,18 @@ def _couples_that_rub(solved: Mapping[str, loads.CycleLoads]) -> list[str]:
             couple = float(np.abs(load.moment).max())
             efforts = (float(np.abs(effort).max()) for effort in cycle.efforts.values())
             largest = max(_largest_joint_force(cycle), *efforts)
-            if not own.coefficient or couple <= _ARM * largest:
+            if not own.coefficient or own.length or couple <= _ARM * largest:
                 continue
             whole = (load.force**2).sum(axis=1) - load.friction_force**2
             pressed = float(np.sqrt(np.maximum(whole, 0.0)).max())
             known = most.get(name, (0.0, 0.0))
             most[name] = max(known[0], couple), max(known[1], pressed)
     return [
-        f"{name}: friction of its couple of up to {couple * 1e-3:.3g} N m is left out, as a guide "
-        "has no length here. Two bearings in a distance L press with 2/L times the couple in all: "
-        f"{2 * couple / 100:.3g} N at 100 mm, beside a force of up to {pressed:.3g} N whose "
-        "friction counts. Drive and loads may be larger, and the guide may jam"
+        f"{name}: friction of its couple of up to {couple * 1e-3:.3g} N m is left out, as no "
+        "length of the guide is stated (friction.guides.length). Two bearings in a distance L "
+        f"press with 2/L times the couple in all: {2 * couple / 100:.3g} N at 100 mm, beside a "
+        f"force of up to {pressed:.3g} N whose friction counts. Drive and loads may be larger, "
+        "and the guide may jam"
         for name, (couple, pressed) in most.items()
     ]
 

@@ -209,9 +209,19 @@ class PinFriction(Table):
 
 
 class SlidingFriction(Table):
-    """Coulomb friction in a guide or slot."""
+    """Coulomb friction in a slot."""
 
     coefficient: Coefficient = Field(description="coefficient of friction")
+
+
+class GuideFriction(SlidingFriction):
+    """Coulomb friction in a guide."""
+
+    length: PositiveLength | None = Field(
+        None,
+        description="distance of its two bearings, half of it on either side of its point: they "
+        "bear its couple; without it the couple has no friction",
+    )
 
 
 class JointFriction(Table):
@@ -221,13 +231,16 @@ class JointFriction(Table):
     diameter: PositiveLength | None = Field(
         None, description="diameter of the pin; a pin joint needs it"
     )
+    length: PositiveLength | None = Field(
+        None, description="of a guide: distance of its two bearings, as of `guides`"
+    )
 
 
 class FrictionEntry(Table):
     """Friction of the joints; what is not named runs without friction."""
 
     pins: PinFriction | None = Field(None, description="every pin joint")
-    guides: SlidingFriction | None = Field(None, description="every guide")
+    guides: GuideFriction | None = Field(None, description="every guide")
     slots: SlidingFriction | None = Field(None, description="every slot")
     joints: dict[str, JointFriction] = Field(
         default_factory=dict, description="single joints: a pin joint by its point, others by name"

@@ -14,9 +14,10 @@ from ballesta.machine.validity_checks import load_gates
 from ballesta.machine.warnings_of import design_warnings, load_warnings
 from ballesta.pipeline import check_design
 from checks.design.effort import Effort
+from checks.design.errors import DesignError
 from checks.part.part_loads import PartDoubt, _rubbing, loads_on
 from checks.strength.load_doubts import load_bars
-from loads import MeasuredLoads
+from loads import LinkageError, MeasuredLoads
 
 from ...small_machine import PLATE, machine, solved
 
@@ -243,3 +244,49 @@ def test_a_couple_of_a_guide_that_rubs_is_warned_of(tmp_path, arm, told):
     warnings = [text for text in load_warnings(design, {}, cycles) if "guide:slider" in text]
     assert len(warnings) == told
     assert all("300 N m is left out" in text and "6e+03 N at 100 mm" in text for text in warnings)
+
+
+@pytest.mark.parametrize("arm", [300.0, 20.0])
+def test_two_bearings_of_a_guide_rub_with_its_couple(tmp_path, arm):
+    """M = F e presses each of two bearings with M/L, and 0.02 of both rubs: F + 0.02 x 2 F e/L.
+
+    With a weight of 10 N as well it is 5 N +- M/L on each, as much in all.
+    """
+    text = GUIDE.replace("ARM", f"{arm:g}").replace('"0, 0 m/s2"', '"0, -10 m/s2"')
+    text = text.replace('mass = "0 kg"', 'mass = "1 kg"').replace(
+        "coefficient = 0.2 }", 'coefficient = 0.02, length = "100 mm" }'
+    )
+    path = tmp_path / "slider.toml"
+    path.write_text(text, encoding="utf-8")
+    design = read_design(path)
+    cycle = solve_cycles(design, {})["stroke"]
+    assert cycle.efforts["cylinder"] == pytest.approx(-1000.0 * (1 + 0.02 * 2 * arm / 100))
+    rubs = cycle.reactions["guide:slider"].friction_force
+    assert np.abs(rubs) == pytest.approx(0.02 * 2 * 1000.0 * arm / 100)
+    assert not [text for text in load_warnings(design, {}, {"stroke": cycle}) if "guide:" in text]
+
+
+def test_a_guide_that_its_couple_jams_locks_the_linkage(tmp_path):
+    """Pushed on an arm of 300 mm, bearings 100 mm apart, 0.2: 2 x 0.2 x 300/100 is more than 1."""
+    text = GUIDE.replace("ARM", "300").replace("0.2 }", '0.2, length = "100 mm" }')
+    text = text.replace("cylinder = {", "old = {").replace("work = {", "cylinder = {")
+    text = text.replace("old = {", "work = {").replace('direction = "-1, 0"', 'direction = "1, 0"')
+    path = tmp_path / "slider.toml"
+    path.write_text(text.replace('"1 kN"', '"-1 kN"'), encoding="utf-8")
+    with pytest.raises(LinkageError, match="friction locks the linkage"):
+        solve_cycles(read_design(path), {})
+
+
+def test_a_length_is_of_a_guide(tmp_path):
+    path = tmp_path / "slider.toml"
+    text = GUIDE.replace("ARM", "300").replace("guides = { coefficient = 0.2 }", "joints = JOINTS")
+    for joints, found in (
+        ('{ "guide:slider" = { coefficient = 0.1, length = "50 mm" } }', 50.0),
+        ('{ "guide:slider" = { coefficient = 0.1 } }', 0.0),
+    ):
+        path.write_text(text.replace("JOINTS", joints), encoding="utf-8")
+        assert read_design(path).friction["guide:slider"].length == found
+    wrong = '[friction.pins]\ncoefficient = 0.1\ndiameter = "10 mm"\n'
+    wrong += '[friction.joints.B]\ncoefficient = 0.1\ndiameter = "9 mm"\nlength = "5 mm"\n'
+    with pytest.raises(DesignError, match=r"joints\.B\.length: is not used, B is a pin"):
+        machine(tmp_path, PLATE + wrong)
