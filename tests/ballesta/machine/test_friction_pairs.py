@@ -272,7 +272,7 @@ def test_a_guide_that_its_couple_jams_locks_the_linkage(tmp_path):
     text = text.replace("cylinder = {", "old = {").replace("work = {", "cylinder = {")
     text = text.replace("old = {", "work = {").replace('direction = "-1, 0"', 'direction = "1, 0"')
     path = tmp_path / "slider.toml"
-    path.write_text(text.replace('"1 kN"', '"-1 kN"'), encoding="utf-8")
+    path.write_text(text, encoding="utf-8")
     with pytest.raises(LinkageError, match="friction locks the linkage"):
         solve_cycles(read_design(path), {})
 
