@@ -17,7 +17,7 @@ from checks.design.effort import Effort
 from checks.design.errors import DesignError
 from checks.part.part_loads import PartDoubt, _rubbing, loads_on
 from checks.strength.load_doubts import load_bars
-from loads import LinkageError, MeasuredLoads
+from loads import MeasuredLoads
 
 from ...small_machine import PLATE, machine, solved
 
@@ -273,7 +273,7 @@ def test_a_guide_that_its_couple_jams_locks_the_linkage(tmp_path):
     text = text.replace("old = {", "work = {").replace('direction = "-1, 0"', 'direction = "1, 0"')
     path = tmp_path / "slider.toml"
     path.write_text(text, encoding="utf-8")
-    with pytest.raises(LinkageError, match="friction locks the linkage"):
+    with pytest.raises(DesignError, match="friction locks the linkage"):
         solve_cycles(read_design(path), {})
 
 
