@@ -57,6 +57,12 @@ class StressHistory:
         """Return the same points over some of the positions."""
         return StressHistory(self.nodes, self.points, self.basis, self.coefficients[:, columns])
 
+    def at_points(self, points: IntArray) -> "StressHistory":
+        """Return some of the points over all positions."""
+        return StressHistory(
+            self.nodes[points], self.points[points], self.basis[points], self.coefficients
+        )
+
     def peaks_by_position(self) -> tuple[FloatArray, IntArray]:
         """Largest von Mises stress (n_positions,) at each position, and the point it is at."""
         return self._peaks

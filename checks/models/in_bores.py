@@ -225,9 +225,12 @@ def _pressed_loosely(
     adds = bent * arcs.loaded.loose[bore]
     narrowest = [level.model, *arcs.models.values()][-1]
     asked = _Asked(narrowest, points, uneven, more)
+    # what is added may be more than all that others have: at any positions, however light
+    states, basis, at = narrowest.history.coefficients, asked.basis, narrowest.history.points
     if use is None:
-        return _largest(level, use, [asked])[0], adds
-    return _any_two(level, use, [asked]), use.of_pressure(level, points, adds)
+        found = StressHistory(points, at[points], basis, states).peaks_by_point()
+        return float(found.max()), adds
+    return use.anew(level, points, basis, states), use.of_pressure(level, points, adds)
 
 
 def _on_half_circle(

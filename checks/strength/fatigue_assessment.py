@@ -78,6 +78,16 @@ class FatigueUse(Judged):
         """The pair of positions."""
         return list(self.worst(level).pair)
 
+    def deciding_at(self, level: Stressed, points: IntArray) -> list[int]:
+        """The pair of positions between which Goodman or Findley uses some points most."""
+        duty, history = level.judged_duty, level.history.at_points(points)
+        found = duty_verdict(
+            history.basis, history.coefficients, duty.limits[points], duty.limit, duty.ultimate,
+            duty.runs,
+        )  # fmt: skip
+        assert found is not None
+        return list(found.peak.pair)
+
     def states(self, level: Stressed) -> list[FloatArray]:
         """Half the swing, and the middle, of the pair of positions."""
         first, second = (level.coefficients[:, k] for k in self.worst(level).pair)
@@ -92,13 +102,17 @@ class FatigueUse(Judged):
         return self._over_pair(level) * (factor * swing + middle * self.limit / self.ultimate)
 
     def direct(
-        self, level: Level, numbers: Sequence[float], under: Under | None = None
+        self,
+        level: Level,
+        numbers: Sequence[float],
+        under: Under | None = None,
+        positions: Sequence[int] = (),
     ) -> list[float]:
         """The quantity between the same two positions under other pressures."""
         under = under or direct_under
         some = under.points(level) if isinstance(under, RaisedInBores) else slice(None)
         limits = level.limits[some]
-        pair = [under(self.loads, level, k, numbers) for k in self.worst(level).pair]
+        pair = [under(self.loads, level, k, numbers) for k in positions or self.deciding(level)]
         stress = np.stack(pair, axis=2)
         return self.of_states(level, np.moveaxis(stress, -1, 0), repeat(limits))
 
@@ -337,12 +351,17 @@ class FkmUse(FatigueUse):
         return (more - found.utilisation) * self.strength.reference
 
     def direct(
-        self, level: Level, numbers: Sequence[float], under: Under | None = None
+        self,
+        level: Level,
+        numbers: Sequence[float],
+        under: Under | None = None,
+        positions: Sequence[int] = (),
     ) -> list[float]:
         """The quantity between the same two positions under other pressures."""
         found = self.found(level)
         under = under or direct_under
-        stress = np.stack([under(self.loads, level, k, numbers) for k in found.pair], axis=2)
+        pair = positions or found.pair
+        stress = np.stack([under(self.loads, level, k, numbers) for k in pair], axis=2)
         used = [found.utilisation_between(stress[..., k]) for k in range(len(numbers))]
         return [float(one.max()) * self.strength.reference for one in used]
 

@@ -167,9 +167,13 @@ def banded(
             in_bores = max(judged.direct(level, arcs, RaisedInBores(more, counts)))
             for bore, pressure in (loose or {}).items():
                 under = RaisedInBores(more, counts, bore)
+                points = under.points(level)
+                if not len(points):
+                    continue
                 adds = pressure * (counts[bore].most if bore in counts else 1.0)
-                adds = judged.of_pressure(level, under.points(level), adds)
-                in_bores = max(in_bores, judged.direct(level, arcs[-1:], under)[0] + adds)
+                worst = judged.deciding_at(level, points)
+                (own,) = judged.direct(level, arcs[-1:], under, worst)
+                in_bores = max(in_bores, own + judged.of_pressure(level, points, adds))
             notes.append(f"model band: {raised_words(part, counts, loose)}")
         if len(counts) < len(every):
             evened = max(value, *judged.direct(level, arcs, RaisedInBores(more, every)))

@@ -77,6 +77,10 @@ class Judged(ABC):
         """Positions that decide it."""
 
     @abstractmethod
+    def deciding_at(self, level: Stressed, points: IntArray) -> list[int]:
+        """Positions that decide it at some surface points."""
+
+    @abstractmethod
     def scatter(self, level: Level, *, of_edges: bool = True) -> float:
         """Scatter of the elements that meet at the point, in the quantity, MPa.
 
@@ -89,12 +93,18 @@ class Judged(ABC):
 
     @abstractmethod
     def direct(
-        self, level: Level, numbers: Sequence[float], under: Under | None = None
+        self,
+        level: Level,
+        numbers: Sequence[float],
+        under: Under | None = None,
+        positions: Sequence[int] = (),
     ) -> list[float]:
         """The quantity under other pressures, by `under` and its numbers.
 
         Without `under` the numbers are arcs, rad, of bearing pressures as they are, without a
         series (`direct_under`).
+
+        positions  at which; without any those that decide it
         """
 
 
@@ -140,6 +150,11 @@ class StaticPeak(Judged):
         """Position of the peak."""
         return [level.peak.position]
 
+    def deciding_at(self, level: Stressed, points: IntArray) -> list[int]:
+        """Position of the peak of some surface points."""
+        peaks, _ = level.history.at_points(points).peaks_by_position()
+        return [int(peaks.argmax())]
+
     def states(self, level: Stressed) -> list[FloatArray]:
         """The load state of the peak."""
         return [level.coefficients[:, level.peak.position]]
@@ -149,10 +164,15 @@ class StaticPeak(Judged):
         return level.scatter(self.states(level)[0], level.peak.point, of_edges=of_edges)
 
     def direct(
-        self, level: Level, numbers: Sequence[float], under: Under | None = None
+        self,
+        level: Level,
+        numbers: Sequence[float],
+        under: Under | None = None,
+        positions: Sequence[int] = (),
     ) -> list[float]:
         """The peak at the same position under other pressures."""
-        stress = (under or direct_under)(self.loads, level, level.peak.position, numbers)
+        (position,) = positions or self.deciding(level)
+        stress = (under or direct_under)(self.loads, level, position, numbers)
         return [peak_of(stress[:, :, k]) for k in range(len(numbers))]
 
 

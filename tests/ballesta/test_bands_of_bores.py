@@ -12,7 +12,7 @@ from ballesta.machine.solved_cycles import solve_cycles
 from bench.closed_forms import lug_factor
 from checks.derivations.stresses import solid_bars
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
-from checks.ladder.levels import Asked, solve_levels
+from checks.ladder.levels import Asked, first_level, solve_levels
 from checks.models import shapes
 from checks.models.checked import band_around, rung_estimates, rung_level
 from checks.models.in_bores import Arcs, in_bores
@@ -187,6 +187,33 @@ def test_fatigue_of_bores_on_arcs_is_that_of_their_own_positions(tmp_path):
     )
     assert narrow > 1.1 * value
     assert in_bores(arcs, use, value).most == pytest.approx(narrow, rel=1e-9)
+
+
+def test_a_loose_pin_counts_at_the_positions_that_strain_its_own_bore(tmp_path, monkeypatch):
+    """Pulled bores that the swinging shank exceeds, by formula and by a solid.
+
+    The pressure of a loose pin comes on top of what they have when they are pulled.
+    """
+    arcs = swung_and_pulled(tmp_path, 4e6, 3000.0)
+    monkeypatch.setattr(LoadedPart, "loose", {"first": 100.0})
+    narrowest = [*arcs.models.values()][-1]
+    rim = arcs.points[[arcs.level.model.places[point] == "first" for point in arcs.points]]
+    own = narrowest.history.peaks_by_point(rim).max()
+    assert in_bores(arcs, None, arcs.level.peak.value).loose == pytest.approx((own, 100.0))
+
+    loads, use = arcs.loaded.loads, fatigue_use(arcs.loaded)
+    pulled = use.anew(arcs.level, rim, narrowest.history.basis[rim], narrowest.history.coefficients)
+    assert in_bores(arcs, use, use.value(arcs.level)).loose[0] == pytest.approx(pulled)
+
+    loaded = replace(arcs.loaded, part=replace(arcs.loaded.part, arc_stated=False))
+    level = first_level(loaded, Models())
+    for what in (StaticPeak(loads), fatigue_use(loaded)):
+        value, points = what.value(level), level.in_bores_of("first")
+        found = bars_of(what, loaded.part, [level, level], 0.2, {}, {"first": 100.0})
+        adds = what.of_pressure(level, points, 100.0)
+        alone = what.anew(level, points, level.history.basis[points], level.coefficients)
+        assert alone < 0.9 * value
+        assert found.in_bores > adds + (1 + BEYOND_ARCS) * alone
 
 
 def test_a_model_put_on_another_arc_is_the_one_that_is_built_for_it(tmp_path):
