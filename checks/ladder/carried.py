@@ -29,7 +29,7 @@ from checks.part.pressed_along import that_count
 from checks.result.verdict import Check, Gate, PartResult, RungTried, Surface
 from checks.strength.load_doubts import load_bars
 from checks.strength.part_strength import elastic_of, endurance_of, fatigue_use
-from checks.stress.error_bars import Bars
+from checks.stress.error_bars import Bars, pressed_points
 from checks.stress.judged import Judged, StaticPeak
 from checks.stress.solid_mesh_level import MEANING, Level, Models, half_of, surface_triangles
 from fem.convergence import ErrorBar
@@ -129,8 +129,9 @@ def _loosely(loaded: LoadedPart, what: Judged, level: Level) -> float:
     """What loose pins add to the band of a stress at the most, over the value."""
     value = what.value(level)
     adds = [
-        what.of_pressure(level, level.in_bores_of(bore), pressure)
+        what.of_pressure(level, points, pressure)
         for bore, pressure in loaded.loose.items()
+        if len(points := pressed_points(loaded.loads, level, bore))
     ]
     return max(adds, default=0.0) / value if value else 0.0
 

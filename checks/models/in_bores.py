@@ -19,7 +19,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from checks.design.data import Part
+from checks.design.data import COMPARED_ARC, Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.models.formula_points import PRESSED_IN, on_arc
 from checks.models.shapes import shape_model
@@ -219,6 +219,10 @@ def _pressed_loosely(
     """The largest in a bore on its narrowest arc, raised, and what a loose pin adds at the most."""
     level, places = arcs.level, np.array(arcs.level.model.places)
     points = arcs.points[places[arcs.points] == bore]
+    faces = arcs.loaded.part.geometry.placed_interfaces
+    (face,) = (face for face in faces if face.name == bore)
+    at = level.model.history.points
+    points = points[arcs.loaded.loads.pressed(face, at[points], COMPARED_ARC)]
     if not len(points):
         return 0.0, 0.0
     bent = uneven[bore].most if bore in uneven else 1.0
@@ -226,7 +230,7 @@ def _pressed_loosely(
     narrowest = [level.model, *arcs.models.values()][-1]
     asked = _Asked(narrowest, points, uneven, more)
     # what is added may be more than all that others have: at any positions, however light
-    states, basis, at = narrowest.history.coefficients, asked.basis, narrowest.history.points
+    states, basis = narrowest.history.coefficients, asked.basis
     if use is None:
         found = StressHistory(points, at[points], basis, states).peaks_by_point()
         return float(found.max()), adds

@@ -16,10 +16,12 @@ from checks.design.model import StackEntry
 from checks.handbook.fits import LARGEST, LEAST, PressFit
 from checks.result.words import INTERFERENCE
 from geometry.closed_form import closed_body
-from geometry.mesh import FloatArray, IntArray, MassProperties
+from geometry.mesh import BoolArray, FloatArray, IntArray, Interface, MassProperties
 
 _LARGEST = 1e33  # N, N mm; squares and cubes of what is larger leave the range of numbers
 _MEASURED_FRICTION = 0.3  # coefficient up to which couples of a file count as a pin's friction
+_BESIDE = pi / 90  # rad, to which directions of forces in a bore are told apart
+_HARDLY = 1e-3  # of a bore's largest force: what presses less has no direction
 _OWN_INERTIA = 0.05  # of a pin's largest force: less of weight and inertia does not bend it
 Runs = Mapping[str, loads.CycleLoads | loads.MeasuredLoads]
 TIE = 1e-9  # values that are closer than this, of the largest, are equal
@@ -156,6 +158,20 @@ class PartLoads:
         if self.stretch_of is not None:
             smooth &= self.stretch_of[1:] == self.stretch_of[:-1]
         return np.flatnonzero(smooth)
+
+    def pressed(self, bore: Interface, places: FloatArray, arc: float) -> BoolArray:
+        """Which of some places (n, 3) around a bore its pin presses at any position, by angle.
+
+        arc  rad, on which it presses; _BESIDE more counts on either side
+        """
+        force = self.wrenches[bore.name][:, :2]
+        size = np.hypot(*force.T)
+        ways = np.arctan2(*force[size > _HARDLY * size.max(initial=0.0)].T[::-1])
+        ways = np.unique(np.round(ways / _BESIDE)) * _BESIDE  # half a step off at the most
+        away = places[:, :2] - bore.centre[:2]
+        turn = np.arctan2(*away.T[::-1])[:, None] - ways
+        off = np.abs((turn + pi) % (2 * pi) - pi)
+        return np.asarray((off < arc / 2 + 1.5 * _BESIDE).any(axis=1))
 
     @property
     def largest_force(self) -> float:

@@ -14,8 +14,9 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from checks.design.data import Part
+from checks.design.data import COMPARED_ARC, Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
+from checks.part.part_loads import PartLoads
 from checks.part.pressed_along import Uneven, raised_words, that_count, uncounted_words
 from checks.result.words import by_arc_words
 from checks.stress.beyond_even import BeyondEven, beyond_even
@@ -166,10 +167,10 @@ def banded(
         if counts or not part.arc_stated:
             in_bores = max(judged.direct(level, arcs, RaisedInBores(more, counts)))
             for bore, pressure in (loose or {}).items():
-                under = RaisedInBores(more, counts, bore)
-                points = under.points(level)
+                points = pressed_points(judged.loads, level, bore)
                 if not len(points):
                     continue
+                under = RaisedInBores(more, counts, points)
                 adds = pressure * (counts[bore].most if bore in counts else 1.0)
                 worst = judged.deciding_at(level, points)
                 (own,) = judged.direct(level, arcs[-1:], under, worst)
@@ -207,6 +208,14 @@ def banded(
         evened=evened,
         above_steel=steel,
     )
+
+
+def pressed_points(loads: PartLoads, level: Level, bore: str) -> IntArray:
+    """Surface points (n,) in a bore where its pin presses on the narrowest assumed arc."""
+    points = level.in_bores_of(bore)
+    faces = (unit.interface for unit in level.solutions.interfaces)
+    (face,) = (face for face in faces if face.name == bore)
+    return np.asarray(points[loads.pressed(face, level.history.points[points], COMPARED_ARC)])
 
 
 def mesh_bar(judged: Judged, levels: Sequence[Level]) -> float:

@@ -211,16 +211,16 @@ class RaisedInBores:
 
     more    share by which arcs that are not stated may have more
     uneven  bore -> how much more its bent pin presses at the most, and where
-    alone   the only bore that is asked, where not all are
+    some    surface points (n,) in bores that are asked, where not all are
     """
 
     more: float
     uneven: Mapping[str, Uneven]
-    alone: str = ""
+    some: IntArray | None = None
 
     def points(self, level: Level) -> IntArray:
         """Surface points (n,) that are asked."""
-        return level.in_bores_of(self.alone) if self.alone else level.in_bores
+        return level.in_bores if self.some is None else self.some
 
     def __call__(
         self, loads: PartLoads, level: Level, position: int, arcs: Sequence[float]

@@ -40,8 +40,10 @@ PULLED = PartLoads(
     ("pulled", "pushed"),
     ("turn", "turn"),
 )
-# as solids were compared with the rungs: more pushed than pulled
-PUSHED = replace(PULLED, wrenches={name: w * [[0.5], [1.0]] for name, w in PULLED.wrenches.items()})
+# as solids were compared with the rungs: more pushed than pulled, and so that no pin is loose
+PUSHED = replace(
+    PULLED, wrenches={name: w * [[20.0], [40.0]] for name, w in PULLED.wrenches.items()}
+)
 
 
 def link(folder, share, stated=""):

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from math import degrees, pi, sqrt
 
+import numpy as np
 import pytest
 
 from checks.part.loaded_part import LoadedPart
@@ -73,3 +74,18 @@ def test_a_light_force_on_a_small_pin_presses_more_than_the_narrowest_assumed_ar
     assert set(loose("hole=3 mm", "fits.first=0 mm").loose) == {"second"}
     heavy = replace(small.loads, wrenches={n: 1e3 * w for n, w in small.loads.wrenches.items()})
     assert small.under(heavy).loose == {}
+
+
+def test_only_what_lies_before_a_force_is_pressed(tmp_path, runs):
+    """Along 0 and 100 degrees: 45 on either side, and up to 4 more; a hair of force tells none."""
+    loaded = LoadedPart.of(machine(tmp_path), machine(tmp_path).parts["rod"], runs)
+    (face,) = (f for f in loaded.part.geometry.placed_interfaces if f.name == "first")
+    ways = np.radians([0.0, 100.0, -120.0])
+    force = np.zeros((3, 6))
+    force[:, :2] = np.stack([np.cos(ways), np.sin(ways)], axis=1) * [[500.0], [20.0], [1e-4]]
+    loads = replace(loaded.loads, wrenches={"first": force})
+    angles = np.arange(-180.0, 180.0)
+    turned = np.radians(angles)
+    places = face.centre + 6.0 * np.stack([np.cos(turned), np.sin(turned), 0 * turned], axis=1)
+    found = set(angles[loads.pressed(face, places, pi / 2)])
+    assert {*range(-45, 46), *range(55, 146)} <= found <= {*range(-49, 50), *range(51, 150)}
