@@ -7,8 +7,9 @@ and the shape of the struck point is phi_i = omega_i a_i, as its static answer p
 energy a^2 / 2. What is left, s . s - sum a_i^2, yields without mass.
 
 At every moment the bodies are in equilibrium with the force F and their inertia -M u'', where
-u'' = sum of shapes times q'', q'' = phi F - omega^2 q: joint forces are those before the blow, and
-what F and these inertia forces add, the drive held. Poses stay as they are.
+u'' = sum of shapes times q'', q'' = phi F - omega^2 q: joint forces are those without the blow, and
+what F and these inertia forces add, the drive held. Modes stay those of the touch; so does the
+pose, but in a cycle that swings, where every moment has the pose of its nearest position.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -42,6 +43,8 @@ from loads.vibration import (
     cycle_modes,
     grown,
     joint_strains,
+    motion_at,
+    motion_of,
     pushed_motion,
     with_body_loads,
 )
@@ -57,7 +60,8 @@ class BlowLoads:
     row    of the cycle, at which the contact is met
     blow   its force
     loads  the cycle at the moments of the blow alone, its times since the cycle's start
-    turned  relative change of the struck point's rate over the pace's, in the way that it presses
+    turned  relative change of the struck point's rate over the pace's, in the way that it presses;
+            0 in a swing, whose pose turns on
     speed  mm/s at which it is met
     """
 
@@ -156,21 +160,25 @@ def blow_loads(
             "inertia (drive.flywheel, drive.motor) or the force at which the workpiece yields"
         )
     count = len(blow.times)
-    rows = np.full(count, row)
+    times = blow.times + (cycle.times[row] if swinging is None else swinging.time)
+    own = np.flatnonzero(cycle.phase_of == cycle.phase_of[row])
+    rows = np.full(count, row) if swinging is None else _nearest(cycle.times, own, times)
+    there = replace(
+        modes.at(np.zeros(count, dtype=int)), motion=motion_at(motion_of(elastic), rows)
+    )
+    (unit,) = unit_forces(pushed_motion(there, elastic.pace), [force], 1.0, modes.holder)
     push = way * blow.force
     # elastic inertia forces M u'' of the modes, without and with the force itself
     answer = blow.modal * omega**2 - np.outer(blow.force, along)
     lumped = modes.lumps.masses * (answer @ shapes.T)
     still = at_rows(elastic, rows)
-    moved = with_body_loads(modes.at(np.zeros(count, dtype=int)), still, lumped)
+    moved = with_body_loads(there, still, lumped)
     reactions = {
         name: grown(load, unit.joints[name], push) for name, load in moved.reactions.items()
     }
     efforts = dict(moved.efforts)
     efforts[force] = efforts[force] + push
     efforts[modes.holder] = efforts[modes.holder] + unit.efforts[modes.holder] * push
-    times = blow.times + (cycle.times[row] if swinging is None else swinging.time)
-    own = cycle.phase_of == cycle.phase_of[row]
     loads = replace(
         at_rows(cycle, rows),
         times=times,
@@ -179,9 +187,16 @@ def blow_loads(
         reactions=reactions,
         efforts=efforts,
         own_swing=moved.own_swing,
+        moments=np.ones(count, dtype=bool),
     )
     turned = _turned(cycle, force, row, blow.deepest) if swinging is None else 0.0
     return BlowLoads(row, blow, loads, turned, speed)
+
+
+def _nearest(known: FloatArray, rows: IntArray, times: FloatArray) -> IntArray:
+    """Which of some rows, at known times, are nearest to times."""
+    middles = 0.5 * (known[rows[1:]] + known[rows[:-1]])
+    return np.asarray(rows[np.searchsorted(middles, times)])
 
 
 def _turned(cycle: CycleLoads, force: str, row: int, deepest: float) -> float:
@@ -259,11 +274,9 @@ def with_blow(cycle: CycleLoads, blow: BlowLoads) -> CycleLoads:
 
 
 def moments_of_blows(cycle: CycleLoads) -> BoolArray:
-    """Return which rows (n,) are moments of a blow: poses stay as time goes on."""
-    still = np.append(False, (cycle.poses[1:] == cycle.poses[:-1]).all(axis=(1, 2)))
-    later = still & np.append(False, np.diff(cycle.times) > 0.0)
-    first = still & np.append(later[1:], False)  # it has the time of the touch
-    return np.asarray(later | first)
+    """Return which rows (n,) are moments of a blow."""
+    none = np.zeros(len(cycle.times), dtype=bool)
+    return none if cycle.moments is None else cycle.moments
 
 
 def at_rows(cycle: CycleLoads, rows: IntArray) -> CycleLoads:
@@ -276,13 +289,11 @@ def joined(parts: Sequence[CycleLoads]) -> CycleLoads:
     return _mapped(parts, np.concatenate)
 
 
-def _mapped(
-    parts: Sequence[CycleLoads], change: Callable[[Sequence[FloatArray]], FloatArray]
-) -> CycleLoads:
+def _mapped(parts: Sequence[CycleLoads], change: Callable[[Sequence[Any]], Any]) -> CycleLoads:
     """Return the first cycle with every array over the positions made of those of all."""
     first = parts[0]
 
-    def of(name: str) -> FloatArray:
+    def of(name: str) -> Any:
         return change([getattr(part, name) for part in parts])
 
     def over(owner: str, kind: type[Any]) -> dict[str, Any]:
@@ -304,6 +315,7 @@ def _mapped(
     return replace(
         first,
         **changed,
+        moments=change([moments_of_blows(part) for part in parts]),
         reactions=over("reactions", JointLoad),
         own_swing=over("own_swing", OwnSwing),
         efforts={key: change([part.efforts[key] for part in parts]) for key in first.efforts},

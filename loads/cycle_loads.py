@@ -139,6 +139,7 @@ class CycleLoads:
     unstruck       the cycle without the moments of its blows; None where there are none
     swings         True for one that swings by its blows; `touches` then are those as if slowly
     own_swing      of beams that vibrate or are struck, by body
+    moments        (n,) True at those of a blow; None where there are none
     """
 
     linkage: Linkage
@@ -162,6 +163,7 @@ class CycleLoads:
     unstruck: "CycleLoads | None" = None
     swings: bool = False
     own_swing: Mapping[str, OwnSwing] = field(default_factory=dict)
+    moments: BoolArray | None = None
 
     @property
     def slowly(self) -> "CycleLoads":
@@ -312,7 +314,8 @@ class CycleLoads:
     def drive(self, force: str) -> DriveFigures:
         """Return the effort, work and power of a force or torque over the cycle.
 
-        Of the cycle without blows, in whose moments the poses stay, but for the extreme efforts.
+        Of the cycle without blows, in whose moments the pose stays or goes by steps, but for the
+        extreme efforts.
         """
         cycle = self.unstruck or self
         figures = drive_figures(

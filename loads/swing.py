@@ -138,9 +138,11 @@ class SwungCycle:
     swing  of its last turn
     loads  with the force of the contact and all that it sets swinging
     blows  its hard strikes, whose moments are not yet among the positions
-    surge  range of the work that the swing asks of the drive, over twice its kinetic energy: how
-           far it does not keep its speed; 0 where it is held
+    surge  range of the work that the swing asks of the drive beyond what its speed has, over twice
+           its kinetic energy: how far it does not keep that speed; 0 where it is held
     still  share of the compliance of all modes at the contact in those that follow it statically
+    turned  by how much the point gives way otherwise at later poses in touch than at the first,
+            over the way that it presses
     """
 
     swing: Swing
@@ -148,6 +150,7 @@ class SwungCycle:
     blows: tuple[BlowLoads, ...]
     surge: float
     still: float
+    turned: float
 
 
 def swung_cycle(
@@ -160,6 +163,8 @@ def swung_cycle(
     damping: float,
     inertia: float = np.inf,
     pick: str = "",
+    *,
+    slowed: bool = False,
 ) -> SwungCycle:
     """Return a cycle with the swing by its contact's force.
 
@@ -169,6 +174,7 @@ def swung_cycle(
     response  of `elastic` to vibration
     inertia   t or t mm2 on the coordinate of the pace, by which the drive keeps its speed
     pick      "lowest" or "highest" frequency of every mode over the cycle; "": at the touch
+    slowed    True where the speed follows from the work of the contact as if slowly
 
     Raises LinkageError where the cycle begins in touch, none of the followed modes gives way at the
     contact, and as `blow_loads` does.
@@ -210,7 +216,9 @@ def swung_cycle(
         damping,
         times,
     )
-    loads = _with_swing(free, elastic, response, unit, found, omega, kept, shares, sense, force)
+    loads = _with_swing(
+        free, elastic, response, unit, found, omega, kept, shares[:, row], sense, force
+    )
     loads = replace(loads, touches=touching.touches, unstruck=touching, swings=True)
     shown = replace(free, touches=touching.touches)
     stretched = replace(free, linkage=elastic.linkage)
@@ -230,8 +238,12 @@ def swung_cycle(
             blows.append(
                 blow_loads(shown, stretched, force, at, law.struck, damping, swinging=swinging)
             )
-    surge = _surge(touching, loads, modes.holder, inertia)
-    return SwungCycle(found, loads, tuple(blows), surge, 1.0 - swinging_share / modal)
+    surge = _surge(loads, touching if slowed else free, modes.holder, inertia)
+    touch = np.array([own[k][row] for k in kept])
+    bent = omega * found.modal - np.outer(found.force, shares[kept, row])
+    deformed = bent @ touch + np.outer(found.force, strain[row])
+    turned = _turned(found.force, strain, row, deformed, gap)
+    return SwungCycle(found, loads, tuple(blows), surge, 1.0 - swinging_share / modal, turned)
 
 
 def _omega(response: CycleResponse, k: int, row: int, pick: str) -> float:
@@ -309,15 +321,35 @@ def _with_swing(
     )
 
 
-def _surge(touching: CycleLoads, swung: CycleLoads, holder: str, inertia: float) -> float:
-    """Range of the drive's work beside its work in the cycle as if slowly, as in SwungCycle."""
+def _turned(
+    force: FloatArray, strain: FloatArray, row: int, deformed: FloatArray, gap: FloatArray
+) -> float:
+    """How far the point gives way otherwise at poses in touch than at the first, over its way.
+
+    strain    (n, rows) levers of the force on all that it deforms; row, those of the touch
+    deformed  (n, rows) by the force and the swing
+
+    With levers s + d in place of s it is (s + d)^2 F - s^2 F = 2 d s F + d^2 F, where s F is what
+    is deformed.
+    """
+    pressing = force > 0.0
+    if not pressing.any():
+        return 0.0
+    change = strain - strain[row]
+    ways = 2.0 * (change * deformed).sum(axis=1) + (change**2).sum(axis=1) * force
+    size = np.maximum(np.abs(gap), np.abs(deformed @ strain[row]))
+    return float(np.abs(ways[pressing]).max() / size[pressing].max())
+
+
+def _surge(struck: CycleLoads, known: CycleLoads, holder: str, inertia: float) -> float:
+    """Range of the drive's work beside that in a cycle whose speed it has, as in SwungCycle."""
     if np.isinf(inertia):
         return 0.0
-    rate = touching.rate(holder) * touching.linkage.force(holder).sign
-    power = (swung.efforts[holder] - touching.efforts[holder]) * rate
-    steps = 0.5 * (power[1:] + power[:-1]) * np.diff(touching.times)
+    rate = known.rate(holder) * known.linkage.force(holder).sign
+    power = (struck.efforts[holder] - known.efforts[holder]) * rate
+    steps = 0.5 * (power[1:] + power[:-1]) * np.diff(known.times)
     work = np.concatenate([[0.0], np.cumsum(steps)])
-    even = work - work[-1] * touching.times / touching.times[-1]
+    even = work - work[-1] * known.times / known.times[-1]
     return float(np.ptp(even) / (inertia * np.mean(rate**2)))
 
 

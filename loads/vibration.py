@@ -160,7 +160,7 @@ class LinkageModes:
         """Return the modes at some of the positions."""
         return replace(
             self,
-            motion=_motion_at(self.motion, positions),
+            motion=motion_at(self.motion, positions),
             frequencies=self.frequencies[positions],
             shapes=self.shapes[positions],
             strains=self.strains[positions],
@@ -211,7 +211,7 @@ def linkage_modes(motion: Motion, hold: Coordinate, solved: Sequence[str] = ()) 
 def cycle_modes(cycle: CycleLoads, positions: IntArray | None = None) -> LinkageModes:
     """Return the modes at some positions of a solved cycle, or all of them, its pace held."""
     motion = motion_of(cycle)
-    some = motion if positions is None else _motion_at(motion, positions)
+    some = motion if positions is None else motion_at(motion, positions)
     return linkage_modes(some, cycle.pace, cycle.solved)
 
 
@@ -430,7 +430,8 @@ def _rebased(motion: Motion, kinematics: Kinematics, hold: Coordinate) -> Motion
     return replace(motion, kinematics=kinematics, heading=heading)
 
 
-def _motion_at(motion: Motion, positions: IntArray) -> Motion:
+def motion_at(motion: Motion, positions: IntArray) -> Motion:
+    """Return a motion at some of its positions."""
     return replace(
         motion,
         values=motion.values[positions],

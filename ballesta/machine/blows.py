@@ -155,7 +155,8 @@ def _swung(
     assert vibration.response is not None
     elastic, _, _ = with_sections(design, free)
     force, law, _ = met
-    _, inertia, known = driven(design, design.cycles[free.name].run.pace)
+    pace = design.cycles[free.name].run.pace
+    _, inertia, known = driven(design, pace)
     swung = loads.swung_cycle(
         touching,
         base,
@@ -166,6 +167,7 @@ def _swung(
         design.dynamics.damping,
         inertia if known else inf,
         pick,
+        slowed=isinstance(pace, loads.MotorPace),
     )
     if swung.surge > _SURGE:
         first = _struck(design, touching, [met])
@@ -274,6 +276,14 @@ def _gates(name: str, struck: StruckCycle) -> Iterator[Gate]:
             _STILL,
             "share of what gives way at the contact in modes that are not among those that swing",
         )
+        yield Gate(
+            f"{name}: pose in the swing",
+            struck.swung.turned,
+            _TURNED,
+            "by how much the linkage gives way otherwise at later poses in touch than at the "
+            "first, over the way that it presses: modes and stiffness are those of the touch",
+            cure="A stiffer linkage (elastic), or a workpiece that is met at a later pose",
+        )
     if struck.surge:
         yield Gate(
             f"{name}: speed of the drive in the swing",
@@ -301,6 +311,8 @@ def _gates(name: str, struck: StruckCycle) -> Iterator[Gate]:
         cure="State how far the workpiece and what lies beneath it give way (blow.stiffness), "
         "also beside blow.yields: on a stiff one all is over too soon",
     )
+    if struck.swung is not None:
+        return
     yield Gate(
         f"{name}: pose in the blow",
         max(one.turned for one in struck.blows),

@@ -172,7 +172,7 @@ def motor_figures(design: Design, cycle: loads.CycleLoads) -> MotorFigures | Non
         return np.array([geared.torque(float(value))[0] for value in speeds])
 
     at_all = np.abs(cycle.rate(drive))
-    cycle = cycle.unstruck or cycle  # a motor turns on through a blow, in which poses stay
+    cycle = cycle.unstruck or cycle  # in a blow the pose stays or goes by steps
     speed = np.abs(cycle.rate(drive))
     own = np.array([geared.motor.torque(float(value) * geared.ratio)[0] for value in speed])
     shown = shown_position(stated, cycle.positions)

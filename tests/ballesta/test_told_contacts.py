@@ -129,11 +129,19 @@ def test_a_contact_that_always_or_never_touches_says_so(told):
 
 @pytest.mark.slow
 def test_a_contact_that_is_all_blow_is_not_told_to_stay_free(told):
-    soft = "[elastic.joints]\nB = '100 kN/mm'\n[drive]\nflywheel = '50 kg m2'\n[cycles.run]"
+    """A flywheel that cannot press it through has its first blow; one that can, the whole touch.
+
+    By hand 10 mm less those of 3 kN on 20 and 100 kN/mm are pressed in then.
+    """
+    soft = "[elastic.joints]\nB = '100 kN/mm'\n[drive]\nflywheel = '0.5 kg m2'\n[cycles.run]"
     answers = 'blow = { stiffness = "20 kN/mm", yields = "3 kN" }'
-    _, said = told(("[cycles.run]", soft), ('stiffness = "500 N/mm"', answers))
+    changes = ("[cycles.run]", soft), ('stiffness = "500 N/mm"', answers)
+    _, said = told(*changes)
     assert "die at B.y = -210 mm: touches in its blow alone" in said
     assert "force up to 3.00 kN" in said
+    cycle, said = told(*changes, ("0.5 kg m2", "50 kg m2"))
+    assert "die at B.y = -210 mm: touches from ecc.angle = 212.37 to 327.63 deg" in said
+    assert cycle.blows[0].solved.depth == pytest.approx(10.0 - 3.0 * (1 / 20 + 1 / 100), rel=2e-3)
 
 
 def test_what_the_contact_does_to_the_ram_is_told(told):

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.optimize import brentq
 
 from ballesta.commands.loads_command import loads_of_file
 from ballesta.design.read import read_design
@@ -483,6 +484,17 @@ def test_a_flywheel_strikes_with_all_that_it_turns(tmp_path):
     assert "run: speed of the drive in the swing" in [gate.name for gate in broken]
 
 
+def pressing_torques(stiffness, yields):
+    """Largest and smallest torque of the page's crank: force times rigid lever, pose by pose."""
+    angle = np.linspace(0.0, 2 * np.pi, 20001)
+    rod = np.sqrt(200.0**2 - (60.0 * np.sin(angle)) ** 2)
+    depth = np.maximum(150.0 - 60.0 * np.cos(angle) - rod, 0.0)
+    lever = 60.0 * np.sin(angle) * (1.0 + 60.0 * np.cos(angle) / rod)
+    pressed_in = np.maximum(np.maximum.accumulate(depth) - yields / stiffness, 0.0)
+    torque = stiffness * np.maximum(depth - pressed_in, 0.0) * lever
+    return torque.max(), torque.min()
+
+
 @pytest.mark.parametrize(("yields", "peak"), [("", 10.0 / (1 / 2e3 + 1 / 500e3)), ("12 kN", 12e3)])
 def test_a_flywheel_presses_a_workpiece_through_the_dead_centre(tmp_path, yields, peak):
     """The crank passes it whatever the force, so 10 mm go into workpiece and pin by stiffness.
@@ -502,20 +514,122 @@ def test_a_flywheel_presses_a_workpiece_through_the_dead_centre(tmp_path, yields
     assert told.solved.depth == pytest.approx(depth, abs=0.1)
     assert told.solved.energy == pytest.approx(peak * depth, abs=0.1 * peak)
     assert told.solved.until == told.solved.contact
+    (drive,) = [one for one in cycle.efforts if one.quantity == "drive"]
+    presses, pushed_on = pressing_torques(1 / (1 / 2e3 + 1 / 500e3), peak if yields else np.inf)
+    assert drive.high == pytest.approx(presses, rel=0.01)
+    assert drive.low == pytest.approx(pushed_on, rel=0.01)
 
 
 def test_a_flywheel_that_slows_by_a_fifth_still_presses_through(tmp_path):
-    """100 J of 237, 50 J of them as if slowly: another speed, the same 10 mm, a pose that turns."""
+    """100 J of 237 at an even speed: another speed, the same 10 mm, a pose that turns."""
     stiff = "[drive]\nflywheel = '3 kg m2'\n[elastic.joints]\nB = '500 kN/mm'\n[duty]"
     answers = "restitution = 0.3", 'blow = { stiffness = "2 kN/mm" }'
     result = loads_of_file(stop_design(tmp_path, answers, ("[duty]", stiff)))
     (broken,) = [gate for gate in result.gates if not gate.holds]
     assert broken.name == "run: speed of the drive in the swing"
     assert broken.binding
-    assert broken.value == pytest.approx(0.5 * 50.0 / 237.0, rel=0.05)
+    assert broken.value == pytest.approx(0.5 * 100.0 / 237.0, rel=0.02)
     assert "first blow" not in broken.meaning
     (blow,) = result.cycles[0].blows
     assert blow.solved.peak == pytest.approx(10.0 / (1 / 2e3 + 1 / 500e3), rel=0.03)
+
+
+TOGGLE = """
+name = "Toggle press"
+ground = ["O", "G"]
+[points]
+O = "-300, -200 mm"
+A = "-340, -200 mm"
+K = "-75, -200 mm"
+G = "0, 0 mm"
+B = "0, -400 mm"
+[bodies.crank]
+pins = ["O", "A"]
+mass = "2 kg"
+centre = "0, 0 mm"
+inertia = "0.01 kg m2"
+[bodies.rod]
+pins = ["A", "K"]
+mass = "1 kg"
+centre = "130, 0 mm"
+inertia = "0.006 kg m2"
+[bodies.upper]
+pins = ["G", "K"]
+mass = "1 kg"
+centre = "100, 0 mm"
+inertia = "0.003 kg m2"
+[bodies.lower]
+pins = ["K", "B"]
+mass = "1 kg"
+centre = "100, 0 mm"
+inertia = "0.003 kg m2"
+[bodies.ram]
+pins = ["B"]
+mass = "20 kg"
+guide = { along = "0, 1" }
+[forces.motor]
+turns = "crank"
+at = "O"
+[forces.work]
+body = "ram"
+at = "B"
+direction = "0, 1"
+[elastic.joints]
+A = "ROD"
+B = "500 kN/mm"
+[drive]
+flywheel = "30 kg m2"
+[cycles.turn]
+coordinate = "crank.angle"
+start = "180 deg"
+pace = { coordinate = "crank.angle", speed = "100 rpm" }
+[[cycles.turn.phases]]
+name = "turn"
+to = "540 deg"
+forces = { work = { touches = "B.y", at = "-422 mm", stiffness = "20 kN/mm", stops = false, blow = { stiffness = "20 kN/mm" } } }
+solve = "motor"
+[duty]
+cycles = { turn = 1e7 }
+"""  # noqa: E501
+
+
+def toggle_at(angle, longer=0.0):
+    """Place of the toggle's ram, its crank at an angle, its rod longer by so much."""
+    bar, rod = np.hypot(75.0, 200.0), 265.0 + longer
+    pin = np.array([-300.0 + 40.0 * np.cos(angle), -200.0 + 40.0 * np.sin(angle)])
+    far = np.hypot(*pin)
+    along = (bar**2 - rod**2 + far**2) / (2.0 * far)
+    across = np.array([-pin[1], pin[0]]) / far * np.sqrt(bar**2 - along**2)
+    knee = min(along * pin / far + across, along * pin / far - across, key=lambda one: one[1])
+    return knee[1] - np.sqrt(bar**2 - knee[0] ** 2)
+
+
+@pytest.mark.parametrize(("rod", "holds"), [("5 kN/mm", False), ("80 kN/mm", True)])
+def test_a_toggle_whose_rod_gives_way_has_another_stiffness_at_its_dead_centre(
+    tmp_path, rod, holds
+):
+    """At the touch the rod has its share of the force, at the dead centre 5.2 mm on none.
+
+    By hand k is 1/(1/20 + 1/500 + b^2/rod) kN/mm at the touch, b the ram's way over the rod's, and
+    without the last at the dead centre. The work of 5.2 mm is asked of the drive, though the
+    contact as if slowly is as stiff; the links have the workpiece's force and its side alone.
+    """
+    file = tmp_path / "toggle.toml"
+    file.write_text(TOGGLE.replace("ROD", rod))
+    result = loads_of_file(file)
+    touch = brentq(lambda angle: toggle_at(angle) + 422.0, np.pi, 1.9 * np.pi)
+    leads = (toggle_at(touch, 1e-3) - toggle_at(touch, -1e-3)) / 2e-3
+    gives = leads**2 / (float(rod.split()[0]) * 1e3)
+    stiff = 1 / 20e3 + 1 / 500e3
+    depth = 2 * np.hypot(75.0, 200.0) - 422.0
+    (blow,), gates = result.cycles[0].blows, {gate.name: gate for gate in result.gates}
+    assert blow.solved.peak == pytest.approx(depth / (stiff + gives), rel=0.015)
+    assert blow.solved.joints["G"] == pytest.approx(blow.solved.peak, rel=0.01)
+    pose = gates["turn: pose in the swing"]
+    assert pose.value == pytest.approx(gives / (stiff + gives), rel=0.05)
+    assert (pose.holds, pose.binding) == (holds, True)
+    asked = 0.5 * blow.solved.peak * depth / (30e3 * (100.0 * np.pi / 30.0) ** 2)
+    assert gates["turn: speed of the drive in the swing"].value == pytest.approx(asked, rel=0.02)
 
 
 def test_a_blow_of_rigid_bodies_alone_is_refused_with_its_place(tmp_path):
