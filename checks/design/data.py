@@ -225,7 +225,7 @@ class Part:
     bushes: Mapping[str, Material] = field(default_factory=dict)  # of a pin: lug -> its bush's
     # bore -> "run_in" edges, as stated: pressed evenly along
     bore_edges: Mapping[str, str] = field(default_factory=dict)
-    least_arc: float = pi  # rad, narrowest on which pins press by their stated fits
+    least_arc: float = pi  # rad, narrowest on which pins press by stated or assumed fits
     press_fits: Mapping[str, PressFit] = field(default_factory=dict)  # bore -> bush pressed into it
     # of a pin under loads: area with 95 % of its largest stress amplitude, over d^2
     bent_area: float = 0.0

@@ -129,8 +129,8 @@ def _loosely(loaded: LoadedPart, what: Judged, level: Level) -> float:
     """What loose pins add to the band of a stress at the most, over the value."""
     value = what.value(level)
     adds = [
-        what.of_pressure(level, points, pressure)
-        for bore, pressure in loaded.loose.items()
+        what.of_pressure(level, points, more)
+        for bore, more in loaded.loose.items()
         if len(points := pressed_points(loaded.loads, level, bore))
     ]
     return max(adds, default=0.0) / value if value else 0.0
@@ -202,7 +202,7 @@ def carried_result(
         level = level_on(loaded, solutions, neighbour.fineness, limit)
     except MeshError as error:
         return f"carried over, {error}"
-    doubts = load_bars(loads, mesh_values(loaded, level), loaded.part.narrowest_arc)
+    doubts = load_bars(loads, mesh_values(loaded, level), loaded.narrowest_arc)
     checks: list[Check] = []
     for kind, what in judged.items():
         share = _error_of(what, level, neighbour, kind)

@@ -87,7 +87,7 @@ class Climb:
             return False
         self.level = rung_level(self.loaded, model)
         self.leaves = self.rubbing or leaf_band(self.loaded)
-        self.doubts = load_bars(self.loads, self._values, self.part.narrowest_arc)
+        self.doubts = load_bars(self.loads, self._values, self.loaded.narrowest_arc)
         found = self._estimates(self.loaded, wanted)
         if load is not None and not load.share > 0.0:
             self.unbuckled = True

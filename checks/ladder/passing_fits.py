@@ -49,7 +49,9 @@ def with_assumed_fits(
         return None
     clearances = {name: (0.0, most) for name, most in largest.items()}
     said = f"{DEFAULT} or closer ASSUMED: the design states no fit"
-    return replace(loaded, part=replace(part, clearances=clearances, fit_assumed=said))
+    least = min(part.least_arc, loaded.narrowest_arc)  # where friction has its bars
+    fitted = replace(part, clearances=clearances, fit_assumed=said, least_arc=least)
+    return replace(loaded, part=fitted)
 
 
 def _is_open(check: Check) -> bool:

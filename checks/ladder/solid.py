@@ -205,11 +205,11 @@ def solve_stress(
     before  the same part, or it with other fits, on the first meshes
     """
     doubts: list[LoadBars] = [] if before is None else [before.doubts]
-    arc = loaded.part.narrowest_arc
+    arc = loaded.narrowest_arc
     if before is not None and before.loaded is not loaded:
         if loaded.loads.press_fits:  # no share of what the pins make, which is another now
             doubts.clear()
-        if loaded.loads.rubs[0] and before.loaded.part.narrowest_arc != arc:
+        if loaded.loads.rubs[0] and before.loaded.narrowest_arc != arc:
             doubts.clear()
 
     def widened(levels: Sequence[Level]) -> LoadBars:

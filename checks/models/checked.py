@@ -274,7 +274,8 @@ def _with_band(
         shared = max(bores.even, value) * (1 + band.above[0]) - value
     if bores is not None and bores.half and bores.reached > value:
         counts = that_count(loaded.part, loaded.uneven, static=check.kind == STATIC)
-        said = f"{said}; model band: {raised_words(loaded.part, counts, loaded.loose)}"
+        pressed = {bore: one.peak for bore, one in loaded.loose.items()}
+        said = f"{said}; model band: {raised_words(loaded.part, counts, pressed)}"
     told = _told(check, above, below, said)
     return Estimate(told, above - shared, below - band.shared_below * value, error=error)
 

@@ -226,14 +226,14 @@ def _pressed_loosely(
     if not len(points):
         return 0.0, 0.0
     bent = uneven[bore].most if bore in uneven else 1.0
-    adds = bent * arcs.loaded.loose[bore]
+    adds = arcs.loaded.loose[bore].times(bent)
     narrowest = [level.model, *arcs.models.values()][-1]
     asked = _Asked(narrowest, points, uneven, more)
     # what is added may be more than all that others have: at any positions, however light
     states, basis = narrowest.history.coefficients, asked.basis
     if use is None:
         found = StressHistory(points, at[points], basis, states).peaks_by_point()
-        return float(found.max()), adds
+        return float(found.max()), adds.peak
     return use.anew(level, points, basis, states), use.of_pressure(level, points, adds)
 
 

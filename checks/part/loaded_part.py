@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf, isfinite, radians, sqrt
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -60,6 +60,8 @@ class _Unkept:
 UNKEPT = _Unkept()
 _AROUND = 180  # angles, around half of a pin
 _ROWS = 20_000  # positions of which all angles are asked at once
+_TOGETHER = 500  # positions whose pressure around a bore is asked at once
+_SMALL = 1e-12  # of the largest force
 _STRESSED = 0.95  # of the largest amplitude
 
 
@@ -196,10 +198,15 @@ class LoadedPart:
         return uneven_bores(self.design, self.part, self.loads, self.runs)
 
     @cached_property
-    def loose(self) -> Mapping[str, float]:
-        """By bore, how much more a pin of the default fit may press than on assumed arcs, MPa."""
+    def loose(self) -> "Mapping[str, Loose]":
+        """By bore, how much more a pin of the default fit may press than on assumed arcs."""
         pins = {one.joint: one for one in self.design.parts.values() if one.joint is not None}
         return pressed_loosely(self.part, self.loads, self.part.geometry.placed_interfaces, pins)
+
+    @property
+    def narrowest_arc(self) -> float:
+        """The narrowest arc, rad, on which pins may press in its bores, loose ones too."""
+        return min([self.part.narrowest_arc, *(one.arc for one in self.loose.values())])
 
     def stack(self, bore: str, clearance: float = 0.0) -> Stack | None:
         """The stack of the pin in a bore, where one is known (`stack_in`)."""
@@ -284,6 +291,23 @@ _ARC, _WIDEST = radians(129), radians(120)
 _ON_COMPARED, _LOOSE = 3 / (2 * sqrt(2)), 1.1
 
 
+class Loose(NamedTuple):
+    """How a pin of the default fit may press in a bore, beside the narrowest assumed arc.
+
+    peak   MPa, by how much more at the most
+    swing  MPa, by how much more pressure comes and goes at a point of the bore, not below `peak`
+    arc    rad, on which it presses under the largest force
+    """
+
+    peak: float
+    swing: float
+    arc: float
+
+    def times(self, more: float) -> "Loose":
+        """The same where all of the pressure is more times as large."""
+        return self._replace(peak=more * self.peak, swing=more * self.swing)
+
+
 def with_fits(
     part: Part, loads: PartLoads, interfaces: Sequence[Interface], pins: Mapping[str, Part]
 ) -> Part:
@@ -317,15 +341,15 @@ def with_fits(
 
 def pressed_loosely(
     part: Part, loads: PartLoads, interfaces: Sequence[Interface], pins: Mapping[str, Part]
-) -> dict[str, float]:
-    """By bore, how much more a loose pin may press than on the narrowest assumed arc, MPa.
+) -> dict[str, Loose]:
+    """By bore, how much more a loose pin may press than on the narrowest assumed arc.
 
     Of bores whose arc and fit are not stated, with the largest clearance of the default fit, up to
     the diameters of its table; without those in which the arc of that is no narrower. The
     difference of both pressures moves no force; around a hole it makes as much hoop stress, both
     of one sign. So von Mises stress, a norm, has at most that more (docs/theory/bearing.md).
     """
-    found: dict[str, float] = {}
+    found: dict[str, Loose] = {}
     for face in interfaces:
         if face.kind != "bore" or part.arc_stated or face.name in part.clearances:
             continue
@@ -337,10 +361,41 @@ def pressed_loosely(
         p = _parameter(part, pin or part, face, loads, clearance)
         if isfinite(p) and p:
             mean = float(loads.resultant(face.name).max()) / face.radius / face.length
-            more = mean * (_LOOSE * persson_pressure(persson_half_arc(p)) - _ON_COMPARED)
+            half = persson_half_arc(p)
+            largest = _LOOSE * persson_pressure(half)
+            more = mean * (largest - _ON_COMPARED)
             if more > 0.0:
-                found[face.name] = more
+                swing = mean * _swung_more(loads.wrenches[face.name][:, :2], half, largest)
+                found[face.name] = Loose(more, max(more, swing), 2 * half)
     return found
+
+
+def _swung_more(forces: FloatArray, half: float, largest: float) -> float:
+    """How much more a loose pin's pressure swings than the cosine on 90 deg does, over F/(R t).
+
+    Each the most of all points of the bore. Under a steady force that sways by some degrees narrow
+    contact leaves points on which the cosine stays. Smaller forces press on arcs as Hertz has them.
+
+    forces         (n, 2) on the bore over all positions
+    half, largest  arc, rad, and pressure under the largest force F
+    """
+    share = np.hypot(*forces.T)
+    share /= share.max()
+    around = np.linspace(-np.pi, np.pi, 2 * _AROUND, endpoint=False)
+    steady: FloatArray = np.full((2, len(around)), inf)
+    most = np.zeros_like(steady)
+    for some in np.array_split(np.arange(len(forces)), 1 + len(forces) // _TOGETHER):
+        way = np.arctan2(forces[some, 1], forces[some, 0])
+        off = np.abs((around - way[:, None] + np.pi) % (2 * np.pi) - np.pi)
+        size = share[some, None]
+        reach = half * np.sqrt(np.maximum(size, _SMALL))
+        narrow = np.sqrt(size * np.maximum(1.0 - (off / reach) ** 2, 0.0))
+        cosine = size * np.cos(np.minimum(2 * off, np.pi / 2))
+        pressed = np.stack([largest * narrow, _ON_COMPARED * cosine])
+        most = np.maximum(most, pressed.max(axis=1))
+        steady = np.minimum(steady, pressed.min(axis=1))
+    loose, assumed = (most - steady).max(axis=1)
+    return float(loose - assumed)
 
 
 def _parameter(part: Part, pin: Part, face: Interface, loads: PartLoads, clearance: float) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 
 import fatigue
 from checks.design.strength import FkmStrength
+from checks.part.loaded_part import Loose
 from checks.part.part_loads import PartLoads
 from checks.strength.finite_life import (
     DutyLife,
@@ -116,9 +117,9 @@ class FatigueUse(Judged):
         stress = np.stack(pair, axis=2)
         return self.of_states(level, np.moveaxis(stress, -1, 0), repeat(limits))
 
-    def of_pressure(self, level: Stressed, points: IntArray, pressure: float) -> float:
-        """Half of it, its amplitude, where the least of the points endures it."""
-        return pressure / 2 * self.limit / float(self.endured(level, points).min())
+    def of_pressure(self, level: Stressed, points: IntArray, more: Loose) -> float:
+        """Half of how it swings, its amplitude, where the least of the points endures it."""
+        return more.swing / 2 * self.limit / float(self.endured(level, points).min())
 
     def of_states(
         self, level: Stressed, stress: Iterable[FloatArray], limits: Iterable[FloatArray]

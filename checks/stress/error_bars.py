@@ -16,6 +16,7 @@ import numpy as np
 
 from checks.design.data import COMPARED_ARC, Part
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
+from checks.part.loaded_part import Loose
 from checks.part.part_loads import PartLoads
 from checks.part.pressed_along import Uneven, raised_words, that_count, uncounted_words
 from checks.result.words import by_arc_words
@@ -82,13 +83,13 @@ def bars_of(
     levels: Sequence[Level],
     accuracy: float,
     uneven: Mapping[str, Uneven] | None = None,
-    loose: Mapping[str, float] | None = None,
+    loose: Mapping[str, Loose] | None = None,
 ) -> Bars:
     """Numerical bar, model band and a note for a quantity known on several meshes.
 
     uneven  bore -> how much more its bent pin presses at the most, and where; it counts in bores
             whose contact is not solved
-    loose   bore -> how much more a loose pin may press than on the assumed arcs, MPa
+    loose   bore -> how much more a loose pin may press than on the assumed arcs
     """
     finest = levels[-1]
     value = judged.value(finest)
@@ -151,7 +152,7 @@ def banded(
     part: Part,
     level: Level,
     uneven: Mapping[str, Uneven] | None = None,
-    loose: Mapping[str, float] | None = None,
+    loose: Mapping[str, Loose] | None = None,
 ) -> Bars:
     """Return the bars with the model band of a part whose bores have edges as it states them.
 
@@ -166,16 +167,17 @@ def banded(
         more = 0.0 if part.arc_stated else BEYOND_ARCS
         if counts or not part.arc_stated:
             in_bores = max(judged.direct(level, arcs, RaisedInBores(more, counts)))
-            for bore, pressure in (loose or {}).items():
+            for bore, adds in (loose or {}).items():
                 points = pressed_points(judged.loads, level, bore)
                 if not len(points):
                     continue
                 under = RaisedInBores(more, counts, points)
-                adds = pressure * (counts[bore].most if bore in counts else 1.0)
+                adds = adds.times(counts[bore].most if bore in counts else 1.0)
                 worst = judged.deciding_at(level, points)
                 (own,) = judged.direct(level, arcs[-1:], under, worst)
                 in_bores = max(in_bores, own + judged.of_pressure(level, points, adds))
-            notes.append(f"model band: {raised_words(part, counts, loose)}")
+            pressed = {bore: one.peak for bore, one in (loose or {}).items()}
+            notes.append(f"model band: {raised_words(part, counts, pressed)}")
         if len(counts) < len(every):
             evened = max(value, *judged.direct(level, arcs, RaisedInBores(more, every)))
             notes.append(uncounted_words(part, every, evened, static=static))

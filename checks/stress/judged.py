@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from checks.part.loaded_part import Loose
 from checks.part.part_loads import PartLoads
 from checks.part.pressed_along import Uneven
 from checks.stress.solid_mesh_level import Level, peak_of
@@ -47,8 +48,8 @@ class Judged(ABC):
         return level.judged_duty.limits[points]
 
     @abstractmethod
-    def of_pressure(self, level: Stressed, points: IntArray, pressure: float) -> float:
-        """The most that a pressure, MPa, which comes and goes adds to the quantity at some points.
+    def of_pressure(self, level: Stressed, points: IntArray, more: Loose) -> float:
+        """The most that the pressure of a loose pin adds to the quantity at some points, MPa.
 
         With as much hoop stress as pressure, both of one sign.
         """
@@ -130,9 +131,9 @@ class StaticPeak(Judged):
         """Largest von Mises stress (n,) over all positions, MPa."""
         return level.history.peaks_by_point(points)
 
-    def of_pressure(self, level: Stressed, points: IntArray, pressure: float) -> float:
+    def of_pressure(self, level: Stressed, points: IntArray, more: Loose) -> float:
         """The pressure itself, as von Mises stress is a norm."""
-        return pressure
+        return more.peak
 
     def anew(
         self,

@@ -13,10 +13,12 @@ from bench.closed_forms import lug_factor
 from checks.derivations.stresses import solid_bars
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
 from checks.ladder.levels import Asked, first_level, solve_levels
+from checks.ladder.passing_fits import with_assumed_fits
+from checks.ladder.solid import stress_check
 from checks.models import shapes
 from checks.models.checked import band_around, rung_estimates, rung_level
 from checks.models.in_bores import Arcs, in_bores
-from checks.part.loaded_part import LoadedPart
+from checks.part.loaded_part import LoadedPart, Loose
 from checks.part.part_loads import PartLoads, loads_on
 from checks.part.pressed_along import Uneven
 from checks.strength.part_strength import endurance_of, fatigue_use
@@ -40,10 +42,9 @@ PULLED = PartLoads(
     ("pulled", "pushed"),
     ("turn", "turn"),
 )
-# as solids were compared with the rungs: more pushed than pulled, and so that no pin is loose
-PUSHED = replace(
-    PULLED, wrenches={name: w * [[20.0], [40.0]] for name, w in PULLED.wrenches.items()}
-)
+# as solids were compared with the rungs: more pushed than pulled; by 100 kN, under which no pin of
+# the default fit presses on less than the assumed arcs
+PUSHED = replace(PULLED, wrenches={n: w * [[50.0], [100.0]] for n, w in PULLED.wrenches.items()})
 
 
 def link(folder, share, stated=""):
@@ -197,7 +198,8 @@ def test_a_loose_pin_counts_at_the_positions_that_strain_its_own_bore(tmp_path, 
     The pressure of a loose pin comes on top of what they have when they are pulled.
     """
     arcs = swung_and_pulled(tmp_path, 4e6, 3000.0)
-    monkeypatch.setattr(LoadedPart, "loose", {"first": 100.0})
+    loose = {"first": Loose(100.0, 120.0, np.radians(50.0))}
+    monkeypatch.setattr(LoadedPart, "loose", loose)
     narrowest = [*arcs.models.values()][-1]
     rim = arcs.points[[arcs.level.model.places[point] == "first" for point in arcs.points]]
     own = narrowest.history.peaks_by_point(rim).max()
@@ -211,11 +213,14 @@ def test_a_loose_pin_counts_at_the_positions_that_strain_its_own_bore(tmp_path, 
     level = first_level(loaded, Models())
     for what in (StaticPeak(loads), fatigue_use(loaded)):
         value, points = what.value(level), level.in_bores_of("first")
-        found = bars_of(what, loaded.part, [level, level], 0.2, {}, {"first": 100.0})
-        adds = what.of_pressure(level, points, 100.0)
+        found = bars_of(what, loaded.part, [level, level], 0.2, {}, loose)
+        adds = what.of_pressure(level, points, loose["first"])
         alone = what.anew(level, points, level.history.basis[points], level.coefficients)
         assert alone < 0.9 * value
         assert found.in_bores > adds + (1 + BEYOND_ARCS) * alone
+    left = replace(stress_check(loaded, level, what, found), model=1e4, limit=1e3)
+    fitted = with_assumed_fits(loaded, level, [left])  # friction counts on the loose pin's arc
+    assert fitted.part.narrowest_arc == loose["first"].arc == loaded.narrowest_arc
 
 
 def test_a_model_put_on_another_arc_is_the_one_that_is_built_for_it(tmp_path):
