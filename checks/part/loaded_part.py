@@ -24,7 +24,7 @@ from checks.part.derived import (
     load_case,
 )
 from checks.part.part_loads import Doubt, PartLoads, Runs, first_largest, loads_on
-from checks.part.pressed_along import Stack, Uneven, stack_in, uneven_bores
+from checks.part.pressed_along import UNSTATED, Stack, Uneven, stack_in, uneven_bores
 from checks.result.derivation import Derivation, Item
 from checks.result.verdict import Check
 from fem.contact.persson import persson_half_arc, persson_pressure
@@ -331,7 +331,7 @@ def with_fits(
             continue
         pin = pins.get(part.interfaces[face.name])
         arc = _WIDEST
-        if p := _parameter(part, pin or part, face, loads, part.clearances[face.name][1]):
+        if p := _parameter(part, _elastic(pin or part), face, loads, part.clearances[face.name][1]):
             arc = min(_ARC / sqrt(p), _WIDEST)
         least = min(least, arc)
         arcs.append(max(arc, COMPARED_ARC))
@@ -345,9 +345,10 @@ def pressed_loosely(
     """By bore, how much more a loose pin may press than on the narrowest assumed arc.
 
     Of bores whose arc and fit are not stated, with the largest clearance of the default fit, up to
-    the diameters of its table; without those in which the arc of that is no narrower. The
-    difference of both pressures moves no force; around a hole it makes as much hoop stress, both
-    of one sign. So von Mises stress, a norm, has at most that more (docs/theory/bearing.md).
+    the diameters of its table; without those in which the arc of that is no narrower. Where no part
+    is the pin, it is as stiff as steel, if not more. The difference of both pressures moves no
+    force; around a hole it makes as much hoop stress, both of one sign. So von Mises stress, a
+    norm, has at most that more (docs/theory/bearing.md).
     """
     found: dict[str, Loose] = {}
     for face in interfaces:
@@ -358,7 +359,8 @@ def pressed_loosely(
         except ValueError:
             continue
         pin = pins.get(part.interfaces[face.name])
-        p = _parameter(part, pin or part, face, loads, clearance)
+        stiff = max(_elastic(part), UNSTATED) if pin is None else _elastic(pin)
+        p = _parameter(part, stiff, face, loads, clearance)
         if isfinite(p) and p:
             mean = float(loads.resultant(face.name).max()) / face.radius / face.length
             half = persson_half_arc(p)
@@ -398,11 +400,24 @@ def _swung_more(forces: FloatArray, half: float, largest: float) -> float:
     return float(loose - assumed)
 
 
-def _parameter(part: Part, pin: Part, face: Interface, loads: PartLoads, clearance: float) -> float:
-    """E* dR t/F under the largest force, in plane strain; clearance on diameter, mm."""
+def _parameter(
+    part: Part,
+    pin: tuple[float, float],
+    face: Interface,
+    loads: PartLoads,
+    clearance: float,
+) -> float:
+    """E* dR t/F under the largest force, in plane strain.
+
+    pin        its Young's modulus, MPa, and Poisson's ratio
+    clearance  on diameter, mm
+    """
     if not clearance:
         return 0.0
-    materials = part.material, pin.material
-    softness = sum((1 - m.poisson_ratio**2) / m.youngs_modulus for m in materials)
+    softness = sum((1 - nu**2) / modulus for modulus, nu in (_elastic(part), pin))
     force = float(loads.resultant(face.name).max())
     return clearance / 2 / softness * face.length / force if force else inf
+
+
+def _elastic(part: Part) -> tuple[float, float]:
+    return part.material.youngs_modulus, part.material.poisson_ratio

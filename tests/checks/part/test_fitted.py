@@ -70,6 +70,12 @@ def test_a_light_force_on_a_small_pin_presses_more_than_the_narrowest_assumed_ar
         line = sqrt(force * star * 0.013 / (pi * 8)) / 1.5
         assert more.peak == pytest.approx(1.1 * line - 1.0607 * force / (1.5 * 8), rel=0.04)
     assert set(small.loose) == {"first", "second"}
+    light = replace(material, youngs_modulus=material.youngs_modulus / 3, endurance_ratio=0.3)
+    soft = replace(small, part=replace(small.part, material=light))  # the pin as of steel
+    one, other = small.loose["first"], soft.loose["first"]
+    cosine = 1.0607 * small.loads.resultant("first").max() / (1.5 * 8)
+    stiffer = (one.peak + cosine) / (other.peak + cosine)
+    assert stiffer == pytest.approx(sqrt((1 + 3) / (1 + 1)), rel=0.03)
 
     assert loose('bearing_arc="90 deg"').loose == {}
     assert set(loose("hole=3 mm", "fits.first=0 mm").loose) == {"second"}
