@@ -62,6 +62,7 @@ _AROUND = 180  # angles, around half of a pin
 _ROWS = 20_000  # positions of which all angles are asked at once
 _TOGETHER = 500  # positions whose pressure around a bore is asked at once
 _SMALL = 1e-12  # of the largest force
+_GONE = 0.01  # of the largest force
 _STRESSED = 0.95  # of the largest amplitude
 
 
@@ -383,6 +384,8 @@ def _swung_more(forces: FloatArray, half: float, largest: float) -> float:
     """
     share = np.hypot(*forces.T)
     share /= share.max()
+    if share.min() < _GONE:  # then both are as good as gone from every point
+        return largest - (1 - _GONE) * _ON_COMPARED
     around = np.linspace(-np.pi, np.pi, 2 * _AROUND, endpoint=False)
     steady: FloatArray = np.full((2, len(around)), inf)
     most = np.zeros_like(steady)
