@@ -299,7 +299,7 @@ def _mapped(
     changed: dict[str, Any] = {
         name: of(name)
         for name in ("positions", "times", "phase_of", "poses", "velocities", "accelerations",
-                     "heading", "conditioning")
+                     "heading")
     }  # fmt: skip
     return replace(
         first,
