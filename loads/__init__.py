@@ -58,6 +58,7 @@ from loads.measured import MeasuredBody, MeasuredLoad, MeasuredLoads
 from loads.motion import Motion, move
 from loads.pace import Cycle, Geared, Motor, MotorPace, Pace, Phase, RunPace, SteadyPace, StrokePace
 from loads.path import Path, assembly_gap, trace
+from loads.sensitivity import Sensitivity, with_places_off, worst_shifts
 from loads.swing import Swing, SwungCycle, swung_cycle, without_contact
 from loads.turning import RunawayError, StallError, UnsettledError
 
@@ -112,6 +113,7 @@ __all__ = [
     "Revolute",
     "RunPace",
     "RunawayError",
+    "Sensitivity",
     "Slot",
     "StallError",
     "SteadyPace",
@@ -147,5 +149,7 @@ __all__ = [
     "try_cycle",
     "with_blow",
     "with_hits",
+    "with_places_off",
     "without_contact",
+    "worst_shifts",
 ]

@@ -310,7 +310,7 @@ def _mapped(parts: Sequence[CycleLoads], change: Callable[[Sequence[Any]], Any])
     changed: dict[str, Any] = {
         name: of(name)
         for name in ("positions", "times", "phase_of", "poses", "velocities", "accelerations",
-                     "heading", "conditioning")
+                     "heading")
     }  # fmt: skip
     return replace(
         first,

@@ -352,6 +352,7 @@ def _joined(
     return CycleLoads(
         linkage=linkage,
         name=cycle.name,
+        swept=cycle.coordinate,
         pace=cycle.pace.coordinate,
         solved=tuple(phase.solve for phase in cycle.phases),
         positions=np.concatenate([motion.values for motion in motions]),
@@ -375,7 +376,6 @@ def _joined(
             ),
             default=0.0,
         ),
-        conditioning=whole.conditioning,
         unresolved=unresolved(_solved(stretches), [_solved(other) for other in tried]),
     )
 
@@ -442,7 +442,6 @@ def forces_again(known: CycleLoads, linkage: Linkage, cycle: Cycle) -> CycleLoad
         linkage=linkage,
         reactions=whole.joints,
         efforts={force.name: whole.efforts[force.name] for force in linkage.forces},
-        conditioning=whole.conditioning,
     )
 
 

@@ -32,6 +32,7 @@ from loads.linkage import Linkage
 from loads.motion import Motion
 from loads.path import worst_gaps
 from loads.running import DriveFigures, drive_figures, kinetic_energy
+from loads.sensitivity import Sensitivity, sensitivities
 
 LEAST_SIZE = 1e-9  # over the largest load: below it stands what rounding leaves of balanced halves
 Solved = Sequence[tuple[Motion, ForceSolution]]
@@ -132,7 +133,7 @@ class CycleLoads:
     efforts        (n,) N or N mm, by force name, given and solved
     touches        contacts, by the name of their force
     second_order   relative change of effort and reactions in contact by the deflected shape
-    conditioning   (n,) share of the motion that the solved force sees: 1 best, 0 dead centre
+    swept          the coordinate that leads it
     pace           the coordinate that sets the time
     solved         the force that each phase is solved for
     unresolved     what the positions miss of loads that rise between them
@@ -144,6 +145,7 @@ class CycleLoads:
 
     linkage: Linkage
     name: str
+    swept: Coordinate
     pace: Coordinate
     solved: tuple[str, ...]
     positions: FloatArray
@@ -158,7 +160,6 @@ class CycleLoads:
     efforts: Mapping[str, FloatArray]
     touches: Mapping[str, Touch]
     second_order: float
-    conditioning: FloatArray
     unresolved: Unresolved = NOTHING
     unstruck: "CycleLoads | None" = None
     swings: bool = False
@@ -236,6 +237,20 @@ class CycleLoads:
             left[:, 2] /= self._kinematics.size
             result[body.name] = float(np.abs(left).max()) / (largest or 1.0)
         return result
+
+    @cached_property
+    def _sensitivities(self) -> tuple[Sensitivity, Sensitivity]:
+        return self.unstruck._sensitivities if self.unstruck else sensitivities(self)
+
+    @property
+    def shape_sensitivity(self) -> Sensitivity:
+        """Change of the loads by lengths and position, of the shape alone, blows left out."""
+        return self._sensitivities[0]
+
+    @property
+    def sensitivity(self) -> Sensitivity:
+        """The same, or with the swept coordinate held if that is more."""
+        return max(self._sensitivities, key=lambda own: own.most)
 
     @cached_property
     def _powers(self) -> tuple[FloatArray, FloatArray]:

@@ -56,15 +56,13 @@ class JointLoad:
 
 @dataclass(frozen=True, eq=False)
 class ForceSolution:
-    """Reactions by joint, efforts by force name (n,) and how well the effort is determined.
+    """Reactions by joint and efforts by force name (n,).
 
-    conditioning  (n,)  share of the motion that the effort's coordinate sees: 1 best, 0 dead centre
-    vector        (n, constraints + 1)  all reactions, moments over the size of the linkage [N]
+    vector  (n, constraints + 1)  all reactions, moments over the size of the linkage [N]
     """
 
     joints: Mapping[str, JointLoad]
     efforts: Mapping[str, FloatArray]
-    conditioning: FloatArray
     vector: FloatArray
 
 
@@ -82,7 +80,6 @@ def one_after_another(solutions: Sequence[ForceSolution]) -> ForceSolution:
             for name in first.joints
         },
         {name: np.concatenate([one.efforts[name] for one in solutions]) for name in first.efforts},
-        np.concatenate([one.conditioning for one in solutions]),
         np.concatenate([one.vector for one in solutions]),
     )
 
@@ -118,7 +115,7 @@ def solve_forces(
     """
     _check_names(motion, given, solve)
     linkage, n = motion.kinematics.linkage, len(motion.values)
-    share = _share(motion, linkage.force(solve))
+    _check_dead_centre(motion, linkage.force(solve))
     matrix = _matrix(motion, linkage.force(solve))
     right = _inertia(motion)
     for name, value in given.items():
@@ -127,7 +124,7 @@ def solve_forces(
     frictions = _frictions(motion)
     vector = _solve_with_friction(motion, matrix, right, frictions)
     efforts = {name: np.zeros(n) + value for name, value in given.items()}
-    return _unpacked(motion, solve, vector, efforts, frictions, share)
+    return _unpacked(motion, solve, vector, efforts, frictions)
 
 
 def unit_forces(
@@ -136,19 +133,20 @@ def unit_forces(
     """Return the forces of each given force alone: no weight, no inertia, no friction."""
     linkage, n = motion.kinematics.linkage, len(motion.values)
     effort = linkage.force(solve)
-    share, matrix = _share(motion, effort), _matrix(motion, effort)
+    _check_dead_centre(motion, effort)
+    matrix = _matrix(motion, effort)
     found = []
     for name in names:
         right = -size * _generalised(motion, linkage.force(name))
         vector = np.asarray(np.linalg.solve(matrix, right[..., None])[..., 0])
         efforts = {force.name: np.zeros(n) for force in linkage.forces}
         efforts[name] = np.full(n, float(size))
-        found.append(_unpacked(motion, solve, vector, efforts, [], share))
+        found.append(_unpacked(motion, solve, vector, efforts, []))
     return found
 
 
-def _share(motion: Motion, effort: Force) -> FloatArray:
-    """Return an effort's share of the motion (n,); LinkageError at its dead centre."""
+def _check_dead_centre(motion: Motion, effort: Force) -> None:
+    """Raise LinkageError where an effort's coordinate stands still."""
     share = coordinate_share(motion.kinematics, effort.coordinate, motion.poses, motion.heading)
     singular = (np.abs(share) < SINGULAR) | (share * share[0] <= 0.0)
     if singular.any():
@@ -158,7 +156,6 @@ def _share(motion: Motion, effort: Force) -> FloatArray:
             f"coordinate {effort.coordinate.label} stands still there (dead centre), the force "
             "would be infinite; end the phase before it, or solve for another force"
         )
-    return share
 
 
 def _matrix(motion: Motion, effort: Force) -> FloatArray:
@@ -178,7 +175,6 @@ def _unpacked(
     vector: FloatArray,
     efforts: dict[str, FloatArray],
     frictions: list[_Sliding],
-    share: FloatArray,
 ) -> ForceSolution:
     kinematics = motion.kinematics
     unknown = vector[:, :-1] * kinematics.size / kinematics.row_scale
@@ -203,7 +199,7 @@ def _unpacked(
                 force = turned_left(along) * part[:, :1] + along * slid[:, None]
                 couple = part[:, 1] if isinstance(joint, Prismatic) else zero
                 joints[joint.name] = JointLoad(force, couple, zero, slid)
-    return ForceSolution(joints, efforts, np.abs(share), vector)
+    return ForceSolution(joints, efforts, vector)
 
 
 def _check_names(motion: Motion, given: Mapping[str, float | FloatArray], solve: str) -> None:

@@ -466,5 +466,4 @@ def without_contact(known: CycleLoads, cycle: Cycle, force: str) -> CycleLoads:
         reactions=whole.joints,
         efforts={one.name: whole.efforts[one.name] for one in known.linkage.forces},
         touches={},
-        conditioning=whole.conditioning,
     )

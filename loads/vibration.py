@@ -235,9 +235,7 @@ def load_strains(modes: LinkageModes, cycle: CycleLoads) -> FloatArray:
     Weight and inertia of beams act where their lumps are.
     """
     efforts = {modes.holder: np.zeros(len(cycle.positions)), **cycle.efforts}
-    solution = ForceSolution(
-        cycle.reactions, efforts, cycle.conditioning, np.zeros((len(cycle.positions), 0))
-    )
+    solution = ForceSolution(cycle.reactions, efforts, np.zeros((len(cycle.positions), 0)))
     acting = modes.lumps.inertia_loads(modes.motion)
     # what a lump's load does where it enters; what it does to the joints is in the solution
     direct = lump_strains(modes.kinematics, cycle.poses, solution, modes.lumps)

@@ -30,13 +30,17 @@ from ballesta.machine.solved_cycles import (
     with_events,
     without_unknown_contacts,
 )
-from ballesta.machine.validity_checks import dead_centre_gate, is_near_dead_centre
-from checks.design.data import Design, Part
+from ballesta.machine.validity_checks import (
+    dead_centre_gate,
+    is_near_dead_centre,
+    sensitivity_of,
+)
+from checks.design.data import Cycle, Design, Part
 from checks.design.errors import DesignError
 from checks.handbook.fits import DEFAULT, clearances_of
 from checks.part.part_loads import Doubt, Runs, shown_name
 from checks.result.verdict import Gate
-from checks.result.words import END_OF_TRAVEL, HITS, LESS_IN, WOULD_HIT, number
+from checks.result.words import END_OF_TRAVEL, HITS, LENGTHS_OFF, LESS_IN, WOULD_HIT, number
 from checks.store.store import Store
 from checks.stress.kept_models import Models
 from geometry.mesh import Interface
@@ -51,6 +55,7 @@ _TOLD = 0.02
 
 
 _NO_BLOWS: Solved = {}
+_AS_DRAWN: Mapping[tuple[str, str], tuple[float, float]] = {}
 
 _Told = tuple[float, str, str]  # share of the largest force that is added, point, words
 
@@ -184,7 +189,8 @@ def _bores(design: Design, joint: loads.Revolute) -> Iterator[tuple[Part, Interf
 
 # The machine.
 _AT_END = 1e-9  # of the travel
-_LEFT = 0.2  # of the share of the motion that the solved force sees: less is the dead centre
+_CLOSER = 5.0  # times as sensitive to lengths: the other end of a doubt is the dead centre
+_WARNED_OF = 1.5  # times as sensitive: an assumed stop off by less is a warning's matter
 
 
 @dataclass(frozen=True, eq=False)
@@ -292,8 +298,9 @@ def doubts_of(design: Design, machine: MachineRuns) -> MachineDoubts:
     struck = {name: machine.solved[name] for name in machine.blows}
     hitting, without_fit = play_pairs(design, machine.rigid, struck)
     stopping, beyond = stop_doubts(design, machine.rigid)
+    shaping, general = length_doubts(design, machine.rigid)
     speeds = speed_doubts(design, machine.rigid, evenness)
-    pairs = [*speeds, *stopping, *rubbing, *hitting]
+    pairs = [*speeds, *stopping, *shaping, *rubbing, *hitting]
 
     ends: list[Transients] = []
 
@@ -316,16 +323,59 @@ def doubts_of(design: Design, machine: MachineRuns) -> MachineDoubts:
         {gate for pair in pairs for gate in pair.gates},
         [*speed_gates(evenness), *unsolved, *beyond, *swing_gates([end.blows for end in ends])],
         doubts,
-        [*speed_assumptions(evenness), *without_fit],
+        [*speed_assumptions(evenness), *general, *without_fit],
     )
+
+
+# Lengths next to a dead centre: the loads of a linkage whose places are off by general tolerances.
+
+
+def length_doubts(design: Design, solved: Solved) -> tuple[list[LoadPair], list[tuple[str, str]]]:
+    """The loads with lengths off of cycles near a dead centre, where no stop is stated.
+
+    None where an end comes next to the dead centre itself, nor with `dynamics.apply`: a validity
+    check binds.
+    """
+    pairs = []
+    for name, cycle in solved.items():
+        stated = design.cycles[name]
+        known = design.dynamics.apply or stated.stop is not None or stated.event is not None
+        if known or not is_near_dead_centre(stated, cycle):
+            continue
+        shifts = loads.worst_shifts(cycle, cycle.sensitivity.row)
+        other = {place: (-x, -y) for place, (x, y) in shifts.items()}
+        low, high = (_again(stated, cycle, stated.run, own) for own in (other, shifts))
+        if low is not None and high is not None:
+            ends = ({**solved, name: low}, {**solved, name: high})
+            pairs.append(LoadPair(f"{name}: {LENGTHS_OFF}", ends, (dead_centre_gate(name),)))
+    if not pairs:
+        return [], []
+    cycles = ", ".join(pair.words.removesuffix(f": {LENGTHS_OFF}") for pair in pairs)
+    reason = f"lengths within the general tolerances of ISO 2768-1 m: both ends in {cycles}"
+    return pairs, [("points", reason)]
+
+
+def _again(
+    stated: Cycle,
+    cycle: loads.CycleLoads,
+    run: loads.Cycle,
+    shifts: Mapping[tuple[str, str], tuple[float, float]] = _AS_DRAWN,
+) -> loads.CycleLoads | None:
+    """The loads of a run of a cycle's linkage, places off; None next to the dead centre itself."""
+    try:
+        found = loads.run_cycle(loads.with_places_off(cycle.linkage, shifts), run)
+    except loads.LinkageError:
+        return None
+    most = _CLOSER * sensitivity_of(stated, cycle).most
+    return found if sensitivity_of(stated, found).most <= most else None
 
 
 # Ends of a travel: the loads where it ends a little sooner or later.
 #
 # What a stop is off by at most is stated (`stop.tolerance`), so the loads at both ends of that are
-# a doubt with bars: of every mechanical stop, and of an assumed one next to a dead centre, where
-# the loads of rigid bodies depend on where the travel ends. Where one of its ends comes next to the
-# dead centre itself no bar tells anything: a validity check binds.
+# a doubt with bars: of every mechanical stop, and of an assumed one near a dead centre, or whose
+# tolerance comes near to it. Where one of its ends comes next to the dead centre itself no bar
+# tells anything: a validity check binds.
 
 
 def stop_doubts(design: Design, solved: Solved) -> tuple[list[LoadPair], list[Gate]]:
@@ -342,14 +392,16 @@ def stop_doubts(design: Design, solved: Solved) -> tuple[list[LoadPair], list[Ga
         stop, run = design.cycles[name].stop, design.cycles[name].run
         if stop is None or not stop.tolerance:
             continue
-        if is_near_dead_centre(cycle):
+        if is_near_dead_centre(design.cycles[name], cycle):
             stops[name,] = [name]
-        elif stop.basis == "mechanical":
+        elif stop.basis == "mechanical" or not design.dynamics.apply:
             end = round(_farthest(run), 9)
-            stops.setdefault((str(run.coordinate), end, stop.tolerance), []).append(name)
+            stops.setdefault((str(run.coordinate), end, stop.basis, stop.tolerance), []).append(
+                name
+            )
     for names in stops.values():
         first = names[0]
-        near = is_near_dead_centre(solved[first])
+        near = is_near_dead_centre(design.cycles[first], solved[first])
         if design.dynamics.apply:
             if not near:
                 said = "vibration is on the loads"
@@ -365,6 +417,13 @@ def stop_doubts(design: Design, solved: Solved) -> tuple[list[LoadPair], list[Ga
             _, unit = shown_name(design.cycles[first])
             size = float(np.degrees(stop.tolerance)) if unit == "deg" else stop.tolerance
             low, high = ({**solved, **end} for end in ends)
+            closer = any(
+                end[n].shape_sensitivity.most > _WARNED_OF * solved[n].shape_sensitivity.most
+                for end in ends
+                for n in names
+            )
+            if stop.basis == "assumed" and not near and not closer:
+                continue
             words = f"{first}: {END_OF_TRAVEL} {size:.3g} {unit}"
             covered = (dead_centre_gate(first),) if near else ()
             pairs.append(LoadPair(words, (low, high), covered))
@@ -396,9 +455,9 @@ def _moved(
 
     None where that tells nothing.
     """
-    run = design.cycles[name].run
-    worst = int(cycle.conditioning.argmin())
-    at = float(cycle.positions[worst]) if near else _farthest(run)
+    stated = design.cycles[name]
+    run = stated.run
+    at = sensitivity_of(stated, cycle).at if near else _farthest(run)
     ends = np.array([run.start, *(phase.stop for phase in run.phases)])
     there = np.abs(ends - at) <= _AT_END * float(np.ptp(ends))
     if not there.any():
@@ -408,10 +467,4 @@ def _moved(
         replace(phase, stop=float(stop))
         for phase, stop in zip(run.phases, elsewhere[1:], strict=True)
     )
-    try:
-        found = loads.run_cycle(
-            cycle.linkage, replace(run, start=float(elsewhere[0]), phases=phases)
-        )
-    except loads.LinkageError:
-        return None
-    return found if found.conditioning.min() >= _LEFT * cycle.conditioning[worst] else None
+    return _again(stated, cycle, replace(run, start=float(elsewhere[0]), phases=phases))

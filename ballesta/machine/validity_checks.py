@@ -8,7 +8,7 @@ import numpy as np
 import loads
 from ballesta.machine.drive_speed import friction_gate, motor_figures, shown_cycle
 from ballesta.machine.solved_cycles import event_figures
-from checks.design.data import Design, Part
+from checks.design.data import Cycle, Design, Part
 from checks.part.part_loads import Runs, shown_name, shown_position
 from checks.result.verdict import Gate
 from checks.result.words import number
@@ -21,7 +21,8 @@ _RESIDUAL = 1e-9  # of the largest force, or of the power turned over
 _RESIDUAL_WITH_FRICTION = 1e-6
 _UNRESOLVED = 0.01  # share of the largest load that may lie between positions
 _SECOND_ORDER = 0.05  # share of the largest force
-_CONDITIONING = 0.02  # share of the motion that the solved force sees
+_AT_END = 1e-9  # of the travel
+_SENSITIVE = 0.125  # of the largest load: a toggle of two bars of 250 mm at 1.8 deg
 _FRICTION_SHARE = 0.3  # a coefficient is known to a third at best: the efforts then to 10 %
 _MOTOR_ENERGY = 1e-3  # the trapezoidal rule over some hundred positions
 _KNEE = 1e6  # cycles, of metals with an endurance limit
@@ -107,9 +108,26 @@ def dead_centre_gate(cycle: str) -> str:
     return f"{cycle}: nearness to a dead centre"
 
 
-def is_near_dead_centre(cycle: loads.CycleLoads) -> bool:
-    """True where the loads depend on the geometry next to a dead centre more than on anything."""
-    return float(cycle.conditioning.min()) < _CONDITIONING
+def sensitivity_of(stated: Cycle, cycle: loads.CycleLoads) -> loads.Sensitivity:
+    """Change of the loads of a cycle by lengths and position.
+
+    A stop states how far off the end of the travel is, as built. Elsewhere the swept coordinate is
+    where the cycle has it, and what lengths do to the pose there counts, too.
+    """
+    held = cycle.sensitivity
+    ends = stated.stop is not None and _is_farthest(cycle, held.at)
+    return cycle.shape_sensitivity if ends else held
+
+
+def _is_farthest(cycle: loads.CycleLoads, at: float) -> bool:
+    """True where a position is the end of the travel, at which a stop is."""
+    way = np.abs(cycle.positions - cycle.positions[0])
+    return bool(way.max() - abs(at - cycle.positions[0]) <= _AT_END * way.max())
+
+
+def is_near_dead_centre(stated: Cycle, cycle: loads.CycleLoads) -> bool:
+    """True where general tolerances of lengths and position change the loads by much."""
+    return sensitivity_of(stated, cycle).most > _SENSITIVE
 
 
 def _cycle_gates(
@@ -173,27 +191,34 @@ def _positions(design: Design, name: str, cycle: loads.CycleLoads) -> Gate:
 
 
 def _dead_centre(design: Design, name: str, cycle: loads.CycleLoads, doubted: bool) -> Gate:
+    """Gate of what lengths and position leave open: the shift of a dead centre over its distance.
+
+    The ratio of a transmission is none of it: a cutter of 1 to 200 may be far from its dead centre.
+    """
     stated = design.cycles[name]
-    worst = int(cycle.conditioning.argmin())
+    sensitivity = sensitivity_of(stated, cycle)
+    at = sensitivity.at
     shown, unit = shown_name(stated)
-    at = float(shown_position(stated, cycle.positions)[worst])
-    stop = f"cycles.{name}.stop.tolerance"
-    if stated.stop is None:
-        stop = f'cycles.{name}.stop={{basis="mechanical", tolerance="0.1 {unit}"}}, say'
+    place = f"{shown} = {shown_position(stated, np.array([at]))[0]:.4g} {unit}"
+    cure = f"Keep the travel farther from {place}"
+    if _is_farthest(cycle, at):
+        stop = f"cycles.{name}.stop.tolerance"
+        if stated.stop is None:
+            stop = f'cycles.{name}.stop={{basis="mechanical", tolerance="0.1 {unit}"}}, say'
+        cure += (
+            f", or state {stop}, so that the loads at both ends of it are in the error bars, where "
+            "that does not reach the dead centre"
+        )
     return Gate(
         dead_centre_gate(name),
-        1.0 / float(cycle.conditioning[worst]),
-        1.0 / _CONDITIONING,
-        "1 where the solved force sees the whole motion, growing without bound towards a dead "
-        f"centre, where it sees none of it; nearest at {shown} = {at:.4g} {unit}. Beyond the limit "
-        "the loads are those of rigid bodies next to a dead centre and depend strongly on the "
-        "geometry there"
-        + (": those at both ends of the stop's tolerance are in the error bars" if doubted else ""),
+        sensitivity.most,
+        _SENSITIVE,
+        "change of the loads, over the largest, if lengths between pins and the position are off "
+        "by the general tolerances of ISO 2768-1 m, each at its worst and added: it grows without "
+        f"bound towards a dead centre or change point; most at {place}"
+        + (": the loads at both ends are in the error bars" if doubted else ""),
         binding=not doubted,
-        cure=""
-        if doubted or not is_near_dead_centre(cycle)
-        else f"End the travel farther from it, or state {stop}, so that the loads at both ends "
-        "of it are in the error bars, where that does not reach the dead centre",
+        cure="" if doubted or not is_near_dead_centre(stated, cycle) else cure,
     )
 
 

@@ -24,6 +24,7 @@ from checks.result.words import (
     END_OF_TRAVEL,
     HITS,
     INTERFERENCE,
+    LENGTHS_OFF,
     LESS_IN,
     SPEED_DOUBTS,
     TOO_MANY,
@@ -232,7 +233,7 @@ def _by_drive(result: DesignResult, check: Check, settles: str) -> Iterator[Way]
 
 
 def _by_range(check: Check, settles: str) -> Iterator[Way]:
-    """Where a range that the design states holds the limit: of a bush's interference, of a stop."""
+    """Where a range holds the limit: of a bush's interference, of a stop, of lengths."""
     for doubt in check.doubts:
         words = doubt[0]
         cycle, stop, _ = words.partition(f": {END_OF_TRAVEL}")
@@ -240,6 +241,9 @@ def _by_range(check: Check, settles: str) -> Iterator[Way]:
             text = f"state a narrower range (bush.fit) of the {words}: at its middle it is a "
         elif stop:
             text = f"state a smaller cycles.{cycle}.stop.tolerance: at the stop itself it is a "
+        elif words.endswith(LENGTHS_OFF):
+            name = words.removesuffix(f": {LENGTHS_OFF}")
+            text = f"end {name} farther from its dead centre: with exact lengths it is a "
         else:
             continue
         known = check.without([doubt])

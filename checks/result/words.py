@@ -21,6 +21,7 @@ SURGING = "changes of speed between its slowest and fastest"
 SPEED_DOUBTS = (UNEVEN, SURGING)  # end those of a drive that does not run evenly
 INTERFERENCE = "interference of"  # begins those of bushes that are pressed in
 END_OF_TRAVEL = "end of its travel off by up to"  # in that of a stop, behind the cycle's name
+LENGTHS_OFF = "lengths and position off by general tolerances"  # behind the cycle's name
 HITS = "as its force reverses"  # ends those of play in a joint
 WOULD_HIT = "hits its bore by up to"  # behind the point of the hardest hit that is in no bar
 LESS_IN = "less in"  # before the points of the others

@@ -178,7 +178,7 @@ def test_what_a_matrix_moves_is_what_its_beam_moves_but_for_a_rigid_motion():
     linkage = lever()
     cycle = swung(linkage, as_matrix(steps=17))
     kinematics, none = Kinematics(cycle.linkage), np.zeros(0)
-    state = LoadState(ForceSolution(cycle.reactions, cycle.efforts, none, none), None)
+    state = LoadState(ForceSolution(cycle.reactions, cycle.efforts, none), None)
     moves = (
         matrix_displacements(kinematics, cycle.poses, as_matrix(steps=17), state),
         beam_displacements(kinematics, cycle.poses, as_beam(), state),

@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from ballesta.design.read import read_design
-from ballesta.machine.runs import stop_doubts
+from ballesta.machine.runs import length_doubts, stop_doubts
 from ballesta.machine.solved_cycles import solve_cycles
 from ballesta.machine.validity_checks import load_gates
 from ballesta.pipeline import check_design
 from checks.design.data import Stop
 from checks.design.effort import Effort
 from checks.result.verdict import Status
+from loads import run_cycle, with_places_off, worst_shifts
 
 PRESS = Path(__file__).parents[3] / "designs" / "toggle_press.toml"
 BAR = (4.14134e-3, (125.0, 0.0), 21.56947917)
@@ -61,7 +62,7 @@ def test_its_gate_does_not_bind_then_and_without_the_pair_says_what_to_state(nea
     gate = dead_centre(design, solved, {"press: nearness to a dead centre"})
     assert not gate.holds
     assert not gate.binding
-    assert "at both ends of the stop's tolerance are in the error bars" in gate.told
+    assert "the loads at both ends are in the error bars" in gate.told
     alone = dead_centre(design, solved)
     assert alone.binding
     assert "state cycles.press.stop.tolerance, so that" in alone.cure
@@ -80,6 +81,87 @@ def test_a_travel_that_ends_far_from_it_at_an_assumed_stop_has_no_such_doubt():
     design, solved = press(2.0)
     assert dead_centre(design, solved).holds
     assert stop_doubts(design, solved) == ([], [])
+
+
+def test_an_assumed_stop_is_in_the_bars_where_its_tolerance_comes_near_and_binds_beyond():
+    """At 0.5 mm: 0.1 mm does sqrt(5/4) and is warned of, 0.3 mm sqrt(5/2); 1 mm is too much."""
+    assert stop_doubts(*press(0.5, tolerance="0.1 mm")) == ([], [])
+    ((doubt,), gates) = stop_doubts(*press(0.5, tolerance="0.3 mm"))
+    assert (doubt.gate, gates) == ("", [])
+    pairs, (gate,) = stop_doubts(*press(0.5, tolerance="1 mm"))
+    assert pairs == []
+    assert gate.binding
+    assert not gate.holds
+
+
+CUTTER = """
+name = "Bolt cutter"
+ground = ["A"]
+gravity = "0, 0 m/s2"
+points = { A = "0, 15 mm", J = "-25, 3 mm", D = "70, 25 mm", C = "80, 0 mm", H = "600, 250 mm" }
+bodies.blade = { pins = ["A", "D", "J"], mass = "1 kg", inertia = "1e-3 kg m2", centre = "0, 0 mm" }
+bodies.handle = { pins = ["C", "D", "H"], mass = "1 kg", inertia = "0.1 kg m2", centre = "0, 0 mm" }
+bodies.hinge = { pins = ["C"], mass = "0.05 kg", guide = { along = "1, 0" } }
+forces.hand = { body = "handle", at = "H", direction = "0, -1" }
+forces.bolt = { body = "blade", at = "J", direction = "0, 1" }
+[cycles.cut]
+coordinate = "handle.angle"
+start = "112 deg"
+pace = { coordinate = "handle.angle", speed = "20 deg/s" }
+phases = [ { name = "cut", to = "104 deg", forces = { hand = "120 N" }, solve = "bolt" } ]
+"""
+
+
+@pytest.fixture(scope="module")
+def cutter(tmp_path_factory):
+    file = tmp_path_factory.mktemp("cutter") / "cutter.toml"
+    file.write_text(CUTTER, encoding="utf-8")
+
+    def cut(to, *given):
+        design = read_design(file, (f'cycles.cut.phases[0].to="{to} deg"', *given))
+        return design, solve_cycles(design, {})
+
+    return cut
+
+
+def cutting(cycle):
+    return float(np.abs(cycle.efforts["bolt"]).max())
+
+
+def test_a_cutter_of_high_ratio_far_from_its_dead_centre_is_not_near_it(cutter):
+    """The bolt takes 237 times the hand; the short arm of 27 mm is 14 deg from in line."""
+    design, solved = cutter(104)
+    assert cutting(solved["cut"]) / 120.0 == pytest.approx(237.0, rel=0.01)
+    assert dead_centre(design, solved).value < 0.05
+    assert length_doubts(design, solved) == ([], [])
+
+
+def test_lengths_near_a_dead_centre_are_a_pair_that_holds_every_linkage_within_them(cutter):
+    design, solved = cutter(94)
+    ((pair,), assumed) = length_doubts(design, solved)
+    assert pair.words == "cut: lengths and position off by general tolerances"
+    assert dict(assumed)["points"].endswith("both ends in cut")
+    assert not dead_centre(design, solved, {pair.gate}).binding
+    low, high = (cutting(end["cut"]) for end in pair.ends)
+    known = solved["cut"]
+    sizes = {at: np.hypot(*own) for at, own in worst_shifts(known, known.sensitivity.row).items()}
+    rng = np.random.default_rng(4)
+    for _ in range(12):
+        turns = rng.uniform(0.0, 2.0 * np.pi, len(sizes))
+        off = {
+            at: (size * np.cos(turn), size * np.sin(turn))
+            for (at, size), turn in zip(sizes.items(), turns, strict=True)
+        }
+        built = run_cycle(with_places_off(known.linkage, off), design.cycles["cut"].run)
+        assert low < cutting(built) < high
+
+
+def test_lengths_that_reach_the_dead_centre_leave_the_gate_binding(cutter):
+    design, solved = cutter(90.3)
+    assert length_doubts(design, solved) == ([], [])
+    gate = dead_centre(design, solved)
+    assert gate.binding
+    assert not gate.holds
 
 
 def mechanical(tolerance, *given):

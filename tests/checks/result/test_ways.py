@@ -176,6 +176,11 @@ def test_a_range_that_is_stated_counts_where_it_alone_holds_the_limit():
     assert only(design(part(checks=[stop]))).text == (
         "state a smaller cycles.press.stop.tolerance: at the stop itself it is a pass"
     )
+    off = "cut: lengths and position off by general tolerances"
+    lengths = replace(loads, doubts=((off, 15.0, 15.0),))
+    assert only(design(part(checks=[lengths]))).text == (
+        "end cut farther from its dead centre: with exact lengths it is a pass"
+    )
     little = replace(loads, doubts=((bush[0], 2.0, 2.0),))
     assert "nothing here settles it" in only(design(part(checks=[little]))).text
 
