@@ -126,7 +126,7 @@ def _bent(loaded: LoadedPart, kind: str) -> frozenset[str]:
 
 
 def _loosely(loaded: LoadedPart, what: Judged, level: Level) -> float:
-    """What loose pins add to the band of a stress at the most, over the value."""
+    """The most that loose pins add to the band of a stress, over the value."""
     value = what.value(level)
     adds = [
         what.of_pressure(level, points, more)

@@ -87,7 +87,7 @@ def test_an_assumed_stop_is_in_the_bars_where_its_tolerance_comes_near_and_binds
     """At 0.5 mm: 0.1 mm does sqrt(5/4) and is warned of, 0.3 mm sqrt(5/2); 1 mm is too much."""
     assert stop_doubts(*press(0.5, tolerance="0.1 mm")) == ([], [])
     ((doubt,), gates) = stop_doubts(*press(0.5, tolerance="0.3 mm"))
-    assert (doubt.gate, gates) == ("", [])
+    assert (doubt.gates, gates) == ((), [])
     pairs, (gate,) = stop_doubts(*press(0.5, tolerance="1 mm"))
     assert pairs == []
     assert gate.binding
@@ -141,7 +141,7 @@ def test_lengths_near_a_dead_centre_are_a_pair_that_holds_every_linkage_within_t
     ((pair,), assumed) = length_doubts(design, solved)
     assert pair.words == "cut: lengths and position off by general tolerances"
     assert dict(assumed)["points"].endswith("both ends in cut")
-    assert not dead_centre(design, solved, {pair.gate}).binding
+    assert not dead_centre(design, solved, set(pair.gates)).binding
     low, high = (cutting(end["cut"]) for end in pair.ends)
     known = solved["cut"]
     sizes = {at: np.hypot(*own) for at, own in worst_shifts(known, known.sensitivity.row).items()}
