@@ -13,6 +13,7 @@ from ballesta.sweeps.improve import MOST, Improved, improve
 from checks.design.effort import effort_of
 from checks.design.errors import DesignError, listed
 from checks.result.verdict import Change, Status
+from checks.result.ways import command_with
 from checks.result.words import need_text, number, safety_text
 from reports.terminal import labelled, table
 
@@ -102,7 +103,7 @@ def _text(found: Improved, width: int = 100) -> str:
         )
     lines += table(heads, rows, {1, 2, 3, 4}, width)
     best = found.changes[0]
-    note = f"ballesta check {result.file} --set '{best.override}'"
+    note = command_with(result, best.override)
     if any(change.verified is None for change in found.changes):
         note += "; estimates by formula, set against the models that decided: --verify checks them"
     return "\n".join([*lines, *labelled("next", note, width)]) + "\n"

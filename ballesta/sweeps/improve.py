@@ -37,6 +37,7 @@ from checks.design.effort import DEFAULT_EFFORT, Effort
 from checks.design.materials import known_materials
 from checks.ladder.leaf_checks import LeafBand
 from checks.result.verdict import Change, DesignResult, Status
+from checks.result.ways import command_with
 from fem.threads import one_thread
 
 _STEP = 1.03  # of a dimension, as a factor, to find its exponent
@@ -83,8 +84,7 @@ class Improved:
             "status": str(self.result.status),
             "open": list(self.open),
             "changes": [
-                change.to_dict()
-                | {"command": f"ballesta check {self.result.file} --set '{change.override}'"}
+                change.to_dict() | {"command": command_with(self.result, change.override)}
                 for change in self.changes
             ],
         }

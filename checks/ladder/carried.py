@@ -115,7 +115,7 @@ def neighbour_of(loaded: LoadedPart, models: Models) -> Neighbour | str:
         if all(WIDER * known[0].error <= loaded.accuracy for known in places.values()):
             mesh = level.solutions.mesh
             bent = {kind: _bent(loaded, kind) for kind in judged}
-            loose = {kind: _loosely(loaded, what, finest) for kind, what in judged.items()}
+            loose = {kind: _loosely(loaded, kind, what, finest) for kind, what in judged.items()}
             return Neighbour(_meshed(loaded), mesh, level.fineness, places, bands, bent, loose)
     return "its error bars are wider than was asked for"
 
@@ -125,11 +125,12 @@ def _bent(loaded: LoadedPart, kind: str) -> frozenset[str]:
     return frozenset(that_count(loaded.part, loaded.uneven, static=kind == "static"))
 
 
-def _loosely(loaded: LoadedPart, what: Judged, level: Level) -> float:
+def _loosely(loaded: LoadedPart, kind: str, what: Judged, level: Level) -> float:
     """The most that loose pins add to the band of a stress, over the value."""
     value = what.value(level)
+    bent = {bore: loaded.uneven[bore].most for bore in _bent(loaded, kind)}
     adds = [
-        what.of_pressure(level, points, more)
+        what.of_pressure(level, points, more.times(bent.get(bore, 1.0)))
         for bore, more in loaded.loose.items()
         if len(points := pressed_points(loaded.loads, level, bore))
     ]
@@ -214,7 +215,7 @@ def carried_result(
         above, below = (
             value * (one + _BAND * sum(neighbour.bands[kind])) for one in neighbour.bands[kind]
         )
-        above += value * max(0.0, _loosely(loaded, what, level) - neighbour.loose[kind])
+        above += value * max(0.0, _loosely(loaded, kind, what, level) - neighbour.loose[kind])
         said = "error bars by a neighbour of nearly the same dimensions"
         if off > loaded.accuracy:
             more = f"numerical error {100 * off:.2g} %, asked for"

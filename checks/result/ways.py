@@ -227,7 +227,7 @@ def _by_drive(result: DesignResult, check: Check, settles: str) -> Iterator[Way]
         yield Way(
             settles,
             f"state how the drive holds its speed: without its bar it is a {known.status}",
-            _with(result, 'drive.control="constant"'),
+            command_with(result, 'drive.control="constant"'),
             _again(result),
         )
 
@@ -265,7 +265,7 @@ def _by_play(result: DesignResult, check: Check, settles: str) -> Iterator[Way]:
     if _is_cushioned(result):
         yield Way(settles, text)
     else:
-        yield Way(settles, text, _with(result, _cushioned(points)), _again(result))
+        yield Way(settles, text, command_with(result, _cushioned(points)), _again(result))
 
 
 def _hit_joints(check: Check) -> list[str]:
@@ -300,7 +300,7 @@ def _by_forks(result: DesignResult, check: Check, settles: str) -> Iterator[Way]
             settles,
             "state that pins and forks hold all tilts out of the plane, where they do (two frames "
             f"side by side, long bearings): its safety is then {number(held.safety, 3)}",
-            _with(result, 'forks="stiff"'),
+            command_with(result, 'forks="stiff"'),
             _again(result),
         )
 
@@ -312,7 +312,7 @@ def _by_arc(result: DesignResult, check: Check, settles: str, part: PartResult) 
         yield Way(
             settles,
             f"state the arc on which pins press, by their clearance: it passes from {arc:g} deg",
-            _with(result, f'parts.{part.name}.bearing_arc="{arc:g} deg"'),
+            command_with(result, f'parts.{part.name}.bearing_arc="{arc:g} deg"'),
             _again(result),
         )
 
@@ -356,7 +356,7 @@ def _by_clearance(
         if hit and _is_cushioned(result):
             yield Way(settles, text)
         else:
-            yield Way(settles, text, _with(result, *stated), _again(result))
+            yield Way(settles, text, command_with(result, *stated), _again(result))
     else:
         stated = [f"{key} = {value}" for key, value in fits.items()]
         text = (
@@ -429,7 +429,7 @@ def _by_edges(result: DesignResult, check: Check, settles: str, part: PartResult
             if cushioned:
                 stated.append(_cushioned(dict.fromkeys(j.partition(":")[0] for j in joints)))
             told = steel or (cushioned and _is_cushioned(result))
-            command = "" if told else _with(result, *stated)
+            command = "" if told else command_with(result, *stated)
             yield Way(settles, text, command, None if told else _again(result))
 
 
@@ -446,7 +446,7 @@ def _by_mesh(result: DesignResult, check: Check, settles: str, part: PartResult)
     yield Way(
         settles,
         f"ask for a numerical error bar of {100 * share:.2g} %",
-        _with(
+        command_with(
             result,
             f'accuracy="{100 * share:.2g} %"',
             *(allowed if unknowns * more > _MOST_UNKNOWNS else ()),
@@ -495,7 +495,7 @@ def _of_gate(result: DesignResult, gate: Gate) -> Iterator[Way]:
     if gate.holds or not gate.binding:
         return
     if gate.key:
-        yield Way(gate.name, gate.cure, _with(result, gate.key), _again(result))
+        yield Way(gate.name, gate.cure, command_with(result, gate.key), _again(result))
     else:
         said = gate.cure or f"{NOTHING}: {gate_sentence(gate)}"
         yield Way(gate.name, said)
@@ -506,7 +506,8 @@ def _again(result: DesignResult) -> float:
     return sum(result.timings.values())
 
 
-def _with(result: DesignResult, *overrides: str) -> str:
+def command_with(result: DesignResult, *overrides: str) -> str:
+    """The command of a result's check with further overrides."""
     return " ".join([result.command, *(f"--set {quote(one)}" for one in overrides)])
 
 

@@ -12,6 +12,7 @@ from ballesta.machine.solved_cycles import solve_cycles
 from bench.closed_forms import lug_factor
 from checks.derivations.stresses import solid_bars
 from checks.handbook.pin_loaded_hole import BEYOND_ARCS
+from checks.ladder.carried import _loosely
 from checks.ladder.levels import Asked, first_level, solve_levels
 from checks.ladder.passing_fits import with_assumed_fits
 from checks.ladder.solid import stress_check
@@ -218,6 +219,12 @@ def test_a_loose_pin_counts_at_the_positions_that_strain_its_own_bore(tmp_path, 
         alone = what.anew(level, points, level.history.basis[points], level.coefficients)
         assert alone < 0.9 * value
         assert found.in_bores > adds + (1 + BEYOND_ARCS) * alone
+    uneven = {"first": Uneven(1.5, "edges", None)}
+    monkeypatch.setattr(LoadedPart, "uneven", uneven)
+    monkeypatch.setattr("checks.ladder.carried.that_count", lambda *_, **__: uneven)
+    more = _loosely(loaded, "static", StaticPeak(loads), level)  # of meshes that are carried over
+    assert more == pytest.approx(1.5 * 100.0 / level.peak.value)
+
     left = replace(stress_check(loaded, level, what, found), model=1e4, limit=1e3)
     fitted = with_assumed_fits(loaded, level, [left])  # friction counts on the loose pin's arc
     assert fitted.part.narrowest_arc == loose["first"].arc == loaded.narrowest_arc

@@ -1,7 +1,9 @@
 """Single changes that make a plate pass, against what its check says of them."""
 
 import json
+import shlex
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -27,9 +29,13 @@ NEED = "require={{ static = {0}, fatigue = {0} }}"
 
 @pytest.fixture(scope="module")
 def file(tmp_path_factory):
-    """The rod of 30 x 10 mm with a hole of 12 mm, asked for 1.2 times the safety that it has."""
+    """The rod of 30 x 10 mm with a hole of 12 mm, asked for 1.2 times the safety that it has.
+
+    Its arc is stated: what a loose pin presses more goes by no size in proportion.
+    """
     folder = tmp_path_factory.mktemp("improve")
-    return machine(folder, PLATE.replace('"8 mm"', '"10 mm"')).file
+    text = PLATE.replace('"8 mm"', '"10 mm"') + 'bearing_arc = "90 deg"\n'
+    return machine(folder, text).file
 
 
 def rod(file, *overrides):
@@ -140,6 +146,17 @@ def test_the_command_verifies_a_change_and_writes_it_into_the_file(file, tmp_pat
     assert rod(design).status is Status.PASS
 
 
+def test_the_command_that_comes_next_checks_what_was_improved(file, need, capsys):
+    """With the overrides that were given: without them it is another design."""
+    width = ["--set", "parts.rod.width=29.5 mm"]
+    main(["improve", str(file), "--fidelity", "formula", "--set", need, *width, "--json"])
+    (best, *_) = json.loads(capsys.readouterr().out)["changes"]
+    words = shlex.split(best["command"])
+    assert words[:3] == ["ballesta", "check", str(file)]
+    told = [one for flag, one in pairwise(words) if flag == "--set"]
+    assert told == [need, width[1], f"{best['key']}={best['value']}"]
+
+
 def test_a_line_that_the_file_does_not_have_is_not_written(file, need, capsys):
     text = file.read_text(encoding="utf-8")
     arguments = ["--fidelity", "formula", "--apply", "--set", need]
@@ -169,7 +186,10 @@ def test_a_saving_with_which_the_linkage_would_buckle_goes_only_as_far_as_it_hol
     6.61 * 18 / 22 = 5.41 would not do.
     """
     file, asked = Path("designs/gallery/scissors_jack.toml"), "require.buckling=5.7"
-    design = read_design(file, (asked,))
+    links = [f"{level}_{side}" for level in ("lower", "upper") for side in ("left", "right")]
+    # what a loose pin presses more hardly depends on the width
+    arcs = [f'parts.{link}.bearing_arc="90 deg"' for link in links]
+    design = read_design(file, (asked, *arcs))
     changes = with_changes(design, check_design(design, effort=FORMULA)).changes
     (width,) = (change for change in changes if change.key.endswith(".width"))
     assert width.value == "20 mm"
