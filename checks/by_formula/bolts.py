@@ -92,21 +92,27 @@ def checks(loaded: LoadedPart) -> Iterator[Check]:
         yield from (_open_by_couple(loaded, stated, check) for check in found)
 
 
-def _couple(loaded: LoadedPart, at: str) -> float:
-    """The largest couple at an interface, N mm."""
-    return float(np.abs(loaded.loads.wrenches[at][:, 3:]).max())
+def _least_couple(loaded: LoadedPart) -> float:
+    return _ARM * loaded.loads.largest_force
+
+
+def _couples(loaded: LoadedPart, at: str) -> FloatArray:
+    """Couples (n,) at an interface over all positions, N mm."""
+    return np.asarray(np.linalg.norm(loaded.loads.wrenches[at][:, 3:], axis=1))
 
 
 def _open_by_couple(loaded: LoadedPart, stated: BoltsEntry, check: Check) -> Check:
     """The check without an end of its bar where screws bear a couple of which nothing is stated.
 
-    Friction of a pin in a bore's cap turns by less than a tenth of force times diameter.
+    Friction of a pin in a bore's cap turns by less than a tenth of its force times diameter.
     """
     (face,) = (f for f in loaded.part.geometry.placed_interfaces if f.name == stated.at)
-    force = float(loaded.loads.resultant(stated.at).max())
-    couple, friction = _couple(loaded, stated.at), _OF_FRICTION * 2 * face.radius * force
-    if stated.prying > 1.0 or couple <= max(friction, _ARM * loaded.loads.largest_force):
+    couples, forces = _couples(loaded, stated.at), loaded.loads.resultant(stated.at)
+    friction = np.maximum(_OF_FRICTION * 2 * face.radius * forces, _least_couple(loaded))
+    beyond = couples[couples > friction]
+    if stated.prying > 1.0 or not len(beyond):
         return check
+    couple = beyond.max()
     why = f"a couple of up to {couple * 1e-3:.3g} N m goes through them, and no prying is stated"
     note = "; ".join(text for text in (check.note, f"{UNKNOWN_BAR}{why}") if text)
     return replace(check, model=inf, note=note).explained_by(check.derivation)
@@ -121,8 +127,8 @@ def not_checked(loaded: LoadedPart) -> Iterator[str]:
             "heads, inertia of the cap, heat and loosening left out"
         )
     for stated in loaded.part.bolts:
-        couple = _couple(loaded, stated.at)
-        if couple > _ARM * loaded.loads.largest_force:
+        couple = _couples(loaded, stated.at).max()
+        if couple > _least_couple(loaded):
             yield (
                 f"NOT CHECKED: a couple of up to {couple * 1e-3:.3g} N m at {stated.at}, which its "
                 "screws bear by their distances, but for what the stated `prying` has of it"

@@ -179,6 +179,15 @@ def in_other_units(data, chosen=lambda count: True):
     return each_quantity(data, change)
 
 
+def with_arcs(data):
+    """The machine with stated arcs: how loose a pin is depends on size and load."""
+    parts = {
+        name: part if "body" not in part or "fits" in part else {"bearing_arc": "90 deg"} | part
+        for name, part in data["parts"].items()
+    }
+    return data | {"parts": parts}
+
+
 def of_any_size(data, machine):
     """The machine of materials and fits that stay in every size as in that of its parts."""
     parts = read_design(DESIGNS / f"{machine}.toml").parts

@@ -202,6 +202,9 @@ def test_a_couple_that_screws_bear_by_their_distances_is_told(tmp_path, couple):
     assert opening.value == pytest.approx(250)
     assert opening.status is without
     assert ("no prying is stated" in opening.note) == bool(couple)
+    pushed = {name: [*own, (0, -1e6 if name == "first" else 1e6, 0)] for name, own in rows.items()}
+    later = next(bolts.checks(replace(loaded, loads=loads_of(pushed))))
+    assert later.status is without  # a push at another time makes no friction at this one
     stated = [entry.model_copy(update={"prying": 3.0}) for entry in loaded.part.bolts]
     pried = replace(loaded, part=replace(loaded.part, bolts=tuple(stated)))
     assert next(bolts.checks(pried)).status is Status.PASS

@@ -77,7 +77,9 @@ def threshold_for(length):
 
 def loaded(part, loads):
     duty = SimpleNamespace(cycles=DUTY)
-    return SimpleNamespace(part=part, loads=loads, duty=duty, accuracy=0.05, runs={}, uneven={})
+    return SimpleNamespace(
+        part=part, loads=loads, duty=duty, accuracy=0.05, runs={}, uneven={}, loose={}
+    )
 
 
 def made(judged, limit):
