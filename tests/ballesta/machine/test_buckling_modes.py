@@ -20,6 +20,9 @@ from reports.page_words import shown_of
 DESIGNS = Path(__file__).parents[3] / "designs"
 
 
+ARMS = ("lower_left", "lower_right", "upper_left", "upper_right")
+
+
 def checked(name, *overrides):
     design = read_design(DESIGNS / f"{name}.toml", overrides)
     return check_design(design, effort=Effort("formula"), live=True)
@@ -27,7 +30,7 @@ def checked(name, *overrides):
 
 @pytest.fixture(scope="module")
 def jack():
-    return checked("gallery/scissors_jack")
+    return checked("gallery/scissors_jack", *(f"parts.{name}.bearing_arc=90 deg" for name in ARMS))
 
 
 def test_a_column_longer_than_the_part_has_the_mode_of_both_bars_whose_knee_moves_most():
