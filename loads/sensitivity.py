@@ -21,6 +21,7 @@ from loads.bodies import (
     Prismatic,
     Slot,
     Vector,
+    shared_pins,
 )
 from loads.kinematics import Kinematics, dot, turned_left
 from loads.linkage import Linkage
@@ -94,7 +95,8 @@ def sensitivities(cycle: "CycleLoads") -> tuple[Sensitivity, Sensitivity]:
     """
     changes = _Changes(cycle)
     lengths, held = (
-        np.sqrt(np.sum(ways**2, axis=(1, 3))).sum(axis=0) for ways in (changes.free, changes.held)
+        np.sqrt(np.sum((ways @ changes.loads.on_bodies.T) ** 2, axis=(1, 3))).sum(axis=0)
+        for ways in (changes.free, changes.held)
     )
     return changes.most(lengths + changes.along), changes.most(held)
 
@@ -105,7 +107,8 @@ def worst_shifts(cycle: "CycleLoads", row: int) -> dict[_Place, Vector]:
     row  of the position that they are asked for; the swept coordinate stays
     """
     changes = _Changes(cycle)
-    grows = changes.held[:, :, row] @ changes.loads.vector[row]
+    onto = changes.loads.on_bodies
+    grows = changes.held[:, :, row] @ (onto.T @ (onto @ changes.loads.vector[row]))
     shifts = {}
     for (place, off), grow in zip(_places(cycle.linkage), grows, strict=True):
         if grow.any():
@@ -146,14 +149,14 @@ class _Changes:
             speed = kinematics.velocity(poses, rate.reshape(n, -1, 3), place[0], arm)
             fastest = np.maximum(fastest, np.linalg.norm(speed, axis=1) / (2.0 * off))
         moved = loads.change(kinematics, way / fastest[:, None])
-        self.along: FloatArray = np.linalg.norm(moved, axis=1)
+        self.along: FloatArray = np.linalg.norm(moved @ loads.on_bodies.T, axis=1)
         self.free = np.reshape(free, (-1, 2, *loads.vector.shape))
         slid = np.reshape(slides, (-1, 2, n, 1))
         self.held = self.free + slid * (moved * fastest[:, None])
 
     def most(self, change: FloatArray) -> Sensitivity:
         """Return where changes (n,) N are most, over the largest load of their phase."""
-        size = np.linalg.norm(self.loads.vector, axis=1)
+        size = np.linalg.norm(self.loads.vector @ self.loads.on_bodies.T, axis=1)
         largest = np.empty(len(size))
         for rows in self.loads.phases:
             largest[rows] = size[rows].max()
@@ -182,11 +185,33 @@ def _places(linkage: Linkage) -> Iterator[tuple[_Place, float]]:
         yield end, 0.5 * general_tolerance(min((d for d in away if d > _SAME), default=0.0))
 
 
+def _on_bodies(kinematics: Kinematics) -> FloatArray:
+    """Rows that take reactions and effort to the forces on the bodies (`_Loads.on_bodies`)."""
+    onto = np.sqrt(2.0) * np.eye(kinematics.n_constraints + 1)
+    more = []
+    for joints in shared_pins(kinematics.linkage.joints):
+        if len(joints) == 1:
+            continue
+        for name in dict.fromkeys(
+            body for joint in joints for body in (joint.body_a, joint.body_b)
+        ):
+            row = np.zeros((2, len(onto)))
+            for joint in joints:
+                sign = float(name == joint.body_b) - float(name == joint.body_a)
+                row[:, kinematics.rows[joint.name]] = sign * np.eye(2)
+            more.append(row)
+        for joint in joints:
+            onto[kinematics.rows[joint.name]] = 0.0
+    return np.concatenate([onto, *more])
+
+
 class _Loads:
     """Reactions and solved effort of a cycle as one vector, and how a change of the shape moves it.
 
-    vector  (n, constraints + 1) N, couples over the linkage's size
-    phases  rows of each
+    vector     (n, constraints + 1) N, couples over the linkage's size
+    phases     rows of each
+    on_bodies  (m, constraints + 1) what the vector does to each body, whichever joints pair those
+               of a pin; of a joint that alone is there sqrt(2), of both its bodies
     """
 
     def __init__(self, cycle: "CycleLoads") -> None:
@@ -214,6 +239,7 @@ class _Loads:
             self._unit[rows, -1] = size / kinematics.coordinate_scale(coordinate)
             self._own[rows, -1] = cycle.efforts[force][rows]
         self.vector: FloatArray = self._own / self._unit
+        self.on_bodies = _on_bodies(kinematics)
         matrix, self._given = self._acting(kinematics, cycle.poses)
         self._matrix = matrix
         self._inverse = np.linalg.inv(matrix * self._unit[:, None, :])

@@ -182,7 +182,7 @@ def in_other_units(data, chosen=lambda count: True):
 def with_arcs(data):
     """The machine with stated arcs: how loose a pin is depends on size and load."""
     parts = {
-        name: part if "body" not in part or "fits" in part else {"bearing_arc": "90 deg"} | part
+        name: part if part.keys() & {"joint", "fits", "like"} else {"bearing_arc": "90 deg"} | part
         for name, part in data["parts"].items()
     }
     return data | {"parts": parts}

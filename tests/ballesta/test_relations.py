@@ -18,6 +18,7 @@ from ballesta.machine.solved_cycles import linkage_of
 from ballesta.pipeline import check_design
 from ballesta.regression.file import band_of
 from checks.design.effort import Effort
+from loads import sensitivity
 
 from ..small_machine import PLATE, machine
 from .restated import (
@@ -217,6 +218,14 @@ def of_one_part(machine, fidelity, any_size=False):
         return numbers(checked(Path(folder), data, fidelity, fatigue=not any_size))
 
 
+def in_proportion(monkeypatch, factor):
+    """General tolerances of lengths as large beside a machine that is scaled."""
+    known = sensitivity.general_tolerance
+    monkeypatch.setattr(
+        sensitivity, "general_tolerance", lambda length: factor * known(length / factor)
+    )
+
+
 def assert_in_bands(found, expected, accuracy):
     """Each number within the regression band of its rung; of what has no mesh, round-off."""
     assert found.keys() == expected.keys()
@@ -280,14 +289,15 @@ def test_solids_by_other_names_with_twice_the_positions_are_the_same_within_thei
     ("factor", "machine"),
     [(0.01, "slider_crank"), (7.0, "quick_return"), (1000.0, "toggle_press")],
 )
-def test_a_scaled_solid_has_the_same_stresses(factor, machine, tmp_path):
+def test_a_scaled_solid_has_the_same_stresses(factor, machine, tmp_path, monkeypatch):
     """By 1000 the mesh is as large, to round-off; by 7 and 0.01 it is another one: its noise.
 
     A rod moved by 0.44 % at any factor before, as gmsh has tolerances in mm.
     """
+    expected = of_one_part(machine, "solid", any_size=True)
+    in_proportion(monkeypatch, factor)
     data = scaled(one_part(machine, any_size=True), factor)
     found = numbers(checked(tmp_path, data, "solid", fatigue=False))
-    expected = of_one_part(machine, "solid", any_size=True)
     assert {"static"} <= {kind for _, kind, _ in expected} <= {*STRESSES, "buckling"}
     if factor == 1000.0:
         assert_same(found, expected)
@@ -338,16 +348,17 @@ def test_names_decide_no_number(machine, tmp_path):
         pytest.param(7.0, "spring_hammer", marks=pytest.mark.slow),
     ],
 )
-def test_a_scaled_machine_has_the_same_stresses(factor, machine, tmp_path):
-    """Lengths k, forces k^2, weights k^2 by a gravity of 1/k, turning speeds 1/k.
+def test_a_scaled_machine_has_the_same_stresses(factor, machine, tmp_path, monkeypatch):
+    """Lengths and their general tolerances k, forces k^2, weights k^2 by 1/k of gravity.
 
-    Strengths depend on the size by Marin's factor, and with them which amplitude governs; those
-    of its materials are the same in all sizes here.
+    Turning speeds are 1/k. Strengths depend on the size by Marin's factor, and with them which
+    amplitude governs; those of its materials are the same in all sizes here.
     """
     data = with_arcs(some_cycles(machine))
+    expected = numbers(checked(tmp_path, data))
+    in_proportion(monkeypatch, factor)
     other = scaled(of_any_size(data, machine), factor)
     found = numbers(checked(tmp_path, other, fatigue=False))
-    expected = numbers(checked(tmp_path, data))
     assert_same(found, expected, kinds={*STRESSES, "buckling"})
 
 

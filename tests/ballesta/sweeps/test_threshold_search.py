@@ -312,7 +312,8 @@ def test_what_is_found_has_its_least_safety_at_the_need(file, sweep, more):
     """By real checks: within 2 % at the upper end of the bars, and beyond it not enough."""
     text = file.read_text("utf-8").replace('push = "400 N"', f'push = "{more}"')
     file.write_text(text, encoding="utf-8")
-    options = ["duty.cycles.turn=1", 'drive.control="constant"', "cycles.turn.positions=121"]
+    options = ["duty.cycles.turn=1", 'drive.control="constant"', "cycles.turn.positions=121",
+               'parts.rod.bearing_arc="90 deg"']  # fmt: skip
     found = until_pass(file, f"parts.rod.{sweep}", options, effort=Effort("formula"))
     limit = found.found.check
     assert limit.limit / limit.upper == pytest.approx(limit.required, rel=0.02)
