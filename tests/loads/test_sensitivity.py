@@ -1,6 +1,7 @@
 """General tolerances and loads: by hand, and against loads of linkages built otherwise."""
 
 from math import sqrt
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,6 +21,7 @@ from loads import (
     with_places_off,
     worst_shifts,
 )
+from loads.sensitivity import _on_bodies
 
 from .machines import press_cycle, toggle
 
@@ -78,3 +80,24 @@ def test_a_high_ratio_alone_is_not_sensitive():
     cycle = run_cycle(linkage, Cycle("cut", turn, 0.05, SteadyPace(turn, 1.0), phases))
     assert np.abs(cycle.efforts["jaw"]).max() == pytest.approx(120.0 * 237.0)
     assert cycle.sensitivity.most == pytest.approx(0.1 / 4.0, rel=0.05)
+
+
+def test_which_joints_pair_the_bodies_of_a_pin_does_not_count():
+    """Forces of 30, -50 and 20 N on three bodies; with an idle third one as of two, sqrt(2) R."""
+
+    def size(pairs, forces):
+        joints = tuple(Revolute(f"A{k}", one, two, "A") for k, (one, two) in enumerate(pairs))
+        linkage = SimpleNamespace(joints=joints)
+        rows = {joint.name: slice(2 * k, 2 * k + 2) for k, joint in enumerate(joints)}
+        stub = SimpleNamespace(linkage=linkage, n_constraints=4, rows=rows)
+        return np.linalg.norm(_on_bodies(stub) @ [*np.outer(forces, [0.6, 0.8]).ravel(), 7.0])
+
+    for pairs, forces in (
+        ((("a", "b"), ("a", "c")), (-50.0, 20.0)),
+        ((("b", "a"), ("b", "c")), (30.0, 20.0)),
+        ((("c", "a"), ("b", "c")), (30.0, 50.0)),
+    ):
+        wanted = np.sqrt(30.0**2 + 50.0**2 + 20.0**2 + 2 * 7.0**2)
+        assert size(pairs, forces) == pytest.approx(wanted)
+    idle = size((("a", "b"), ("a", "c")), (30.0, 0.0))
+    assert idle == pytest.approx(np.sqrt(2.0 * (30.0**2 + 7.0**2)))

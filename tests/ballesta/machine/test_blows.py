@@ -586,11 +586,16 @@ pace = { coordinate = "crank.angle", speed = "100 rpm" }
 [[cycles.turn.phases]]
 name = "turn"
 to = "540 deg"
-forces = { work = { touches = "B.y", at = "-422 mm", stiffness = "20 kN/mm", stops = false, blow = { stiffness = "20 kN/mm" } } }
 solve = "motor"
+[cycles.turn.phases.forces.work]
+touches = "B.y"
+at = "-422 mm"
+stiffness = "20 kN/mm"
+stops = false
+blow = { stiffness = "20 kN/mm" }
 [duty]
 cycles = { turn = 1e7 }
-"""  # noqa: E501
+"""
 
 
 def toggle_at(angle, longer=0.0):
